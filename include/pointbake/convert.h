@@ -1,0 +1,81 @@
+// The whole pipeline: points in, textured mesh out.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "pointbake/atlas.h"
+#include "pointbake/attributes.h"
+#include "pointbake/load.h"
+#include "pointbake/reconstruct.h"
+#include "pointbake/simplify.h"
+#include "pointbake/texture.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+enum class Stage { kLoad, kAttributes, kReconstruct, kSimplify, kTexture, kWrite };
+template <>
+struct EnumWords<Stage> {
+    static constexpr std::string_view words[] = {"load",     "attributes", "reconstruct",
+                                                 "simplify", "texture",    "write"};
+};
+
+struct ConvertOptions {
+    AttributesOptions attributes;
+    ReconstructOptions reconstruct;
+    SimplifyOptions simplify;
+    TextureOptions texture;
+    AtlasOptions atlas;
+    Stage stop_after = Stage::kWrite;
+};
+
+struct StageTime {
+    Stage stage;
+    double seconds = 0.0;
+    std::uint64_t peak_bytes = 0;  ///< of the process so far
+};
+
+struct AtlasReport {
+    std::vector<PageSize> pages;
+    std::int64_t num_texels = 0;  ///< sum over the pages of one map
+    double fill = 0.0;            ///< texels that patches need / texels
+    double payload = 0.0;         ///< surface texels / texels
+};
+
+struct ConvertReport {
+    AttributesReport attributes;
+    ReconstructReport reconstruct;
+    SimplifyReport simplify;
+    TextureReport texture;
+    AtlasReport atlas;
+    std::vector<StageTime> times;
+    std::vector<std::string> warnings;
+};
+
+struct ConvertInput {
+    PointCloud cloud;               ///< as load_cloud hands it on
+    std::optional<Mesh> file_mesh;  ///< faces of the same file: used with --surface given (and told
+                                    ///< about otherwise)
+    std::optional<TexturedMesh> mesh;  ///< --mesh: reconstruct is skipped
+    bool keep_uvs = false;             ///< bake into the layout that `mesh` brings
+};
+
+/// Every stage's value; what was not reached stays empty.
+struct ConvertResult {
+    PointCloud cloud;
+    DenseMesh dense;
+    SimplifyResult light;
+    TexturedMesh model;
+    ConvertReport report;
+};
+
+/// Called after each stage with all values so far (for --work-dir).
+using StageObserver = std::function<void(Stage, const ConvertResult&)>;
+
+/// Throws Error as the stages do.
+ConvertResult convert(ConvertInput input, const ConvertOptions& options = {},
+                      const StageObserver& observer = {}, const Context& context = {});
+
+}  // namespace pointbake

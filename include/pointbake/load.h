@@ -1,0 +1,53 @@
+// Stage 1: a file becomes a point cloud (and, where it holds faces, a mesh).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointbake/context.h"
+#include "pointbake/options.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+struct LoadOptions {
+    // Nothing to choose yet: PLY says what it holds. Text formats will need column names here.
+    template <class Field>
+    static void describe(Field&&) {}
+};
+
+/// What was found in the file and what was done about it.
+struct LoadReport {
+    std::string format;                ///< "PLY binary_little_endian", ...
+    std::uint64_t num_rows = 0;        ///< point rows in the file
+    std::uint64_t num_kept = 0;        ///< points of the cloud
+    std::uint64_t num_non_finite = 0;  ///< rows dropped because a coordinate is NaN or infinite
+    std::uint64_t num_merged = 0;      ///< rows merged into another one with the same coordinates
+    std::uint64_t num_zero_normals = 0;
+    std::uint64_t num_bad_faces =
+        0;  ///< faces dropped: bad index, fewer than three different corners
+    std::vector<std::string>
+        notes;  ///< decisions, one line each ("16-bit colours", "faces ignored: ...")
+};
+
+struct LoadResult {
+    PointCloud cloud;
+    std::optional<Mesh>
+        mesh;  ///< faces of the file; positions are the cloud's points, in the cloud's order
+    LoadReport report;
+};
+
+/// Reads a point cloud. The kind is told by content, then by extension. Rows with non-finite
+/// coordinates are dropped, rows with equal coordinates merged (colour: mean in linear light); both
+/// are counted. Points come in Morton order, ties by row. O(n log n). Throws Error{kIo,
+/// kInvalidInput, kUnsupported, kEmpty}.
+LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& options = {},
+                      const Context& context = {});
+
+/// Reads a mesh with its textures: OBJ (+ MTL, PNG, JPEG), GLB, glTF, PLY (vertex colours, texture
+/// coordinates). Polygons are split into fans. Throws as above.
+TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context = {});
+
+}  // namespace pointbake

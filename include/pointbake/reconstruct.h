@@ -1,0 +1,62 @@
+// Stage 3: points become a dense triangle mesh over (a subset of) them. No normals needed.
+#pragma once
+
+#include <string>
+
+#include "pointbake/context.h"
+#include "pointbake/options.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+enum class Surface { kAuto, kOpen, kWatertight, kGiven };
+template <>
+struct EnumWords<Surface> {
+    static constexpr std::string_view words[] = {"auto", "open", "watertight", "given"};
+};
+enum class Method { kAuto, kCocone, kTightCocone };
+template <>
+struct EnumWords<Method> {
+    static constexpr std::string_view words[] = {"auto", "cocone", "tight-cocone"};
+};
+
+struct ReconstructOptions {
+    Surface surface = Surface::kAuto;
+    Method method = Method::kAuto;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("surface", &ReconstructOptions::surface,
+              "what the surface is: open, watertight, the faces given in the file, or auto");
+        field("method", &ReconstructOptions::method,
+              "how it is found: cocone (open), tight-cocone (watertight), or auto");
+    }
+};
+
+struct ReconstructReport {
+    Surface surface = Surface::kAuto;  ///< what was chosen, never kAuto
+    Method method = Method::kAuto;     ///< likewise
+    std::string reason;                ///< one line with the figures behind the choice
+    Index num_vertices = 0, num_triangles = 0;
+    Index num_components = 0, num_boundary_loops = 0;
+    Index num_flat = 0;                ///< points that Cocone calls flat (well sampled)
+    Index num_poor = 0;                ///< points without a good umbrella
+    Index num_conflicts = 0;           ///< tetrahedra that got both labels
+    Index num_unused = 0;              ///< points that are no vertex of the surface
+    Index num_split_vertices = 0;      ///< copies made so that the surface is 2-manifold
+    double added_area_fraction = 0.0;  ///< share of the watertight surface that Cocone did not find
+};
+
+struct ReconstructResult {
+    DenseMesh surface;
+    ReconstructReport report;
+};
+
+/// Open: Cocone with boundary detection [Amenta02, Dey03]; edges may carry more than two triangles
+/// where the data do. Watertight: Tight Cocone [Dey03], split into a closed, oriented 2-manifold by
+/// index, with positive volume. Coplanar clouds give a flat open mesh. Deterministic for any number
+/// of threads and any order of the points. Near linear time, about 0.9 kB per point. Throws
+/// Error{kDegenerate} for fewer than 3 distinct or for collinear points.
+ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
+                              const Context& context = {});
+
+}  // namespace pointbake

@@ -1,0 +1,32 @@
+// A small ray caster for pictures of what went in and what came out. Unlit, supersampled, no
+// window, no GPU.
+#pragma once
+
+#include <vector>
+
+#include "pointbake/context.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+/// Orthographic view: looks along -direction at the centre of the box, `up` upwards.
+struct View {
+    Vec3d direction{0.55, 0.45, 1.0};  ///< from the model to the viewer; need not be unit length
+    Vec3d up{0.0, 1.0, 0.0};
+    double zoom = 1.0;  ///< 1 = the bounding sphere fills the smaller side
+    Vec3d center{};     ///< relative to the box's centre, in diagonals
+    int width = 512, height = 512;
+};
+
+/// Points as opaque discs of their radius, in their colours (grey shading by the normal where there
+/// are none).
+Image render_points(const PointCloud& cloud, const View& view = {}, const Context& context = {});
+/// The mesh with its texture.
+Image render_textured(const TexturedMesh& model, const View& view = {},
+                      const Context& context = {});
+/// The mesh, shaded by its face normals; with `wires`, the triangles' edges drawn on top.
+Image render_mesh(const Mesh& mesh, bool wires, const View& view = {}, const Context& context = {});
+/// Pictures side by side, rows of `columns`.
+Image contact_sheet(const std::vector<Image>& pictures, int columns);
+
+}  // namespace pointbake

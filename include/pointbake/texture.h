@@ -1,0 +1,70 @@
+// Stage 5: each triangle gets a patch of texels, splatted from the points, as large as its detail
+// needs.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pointbake/context.h"
+#include "pointbake/options.h"
+#include "pointbake/patch.h"
+#include "pointbake/simplify.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+enum class Projection { kInterpolated, kOrthographic };
+template <>
+struct EnumWords<Projection> {
+    static constexpr std::string_view words[] = {"interpolated", "orthographic"};
+};
+
+struct TextureOptions {
+    std::optional<double> texture_error;  ///< unset: 4, or no bound if a number of texels is given
+    std::uint64_t texels = 0;
+    Projection projection = Projection::kInterpolated;
+    int max_patch = 1024;
+    bool paper = false;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("texture-error", &TextureOptions::texture_error,
+              "largest RMS difference between texture and splats per triangle, in 8-bit sRGB steps "
+              "(default 4)");
+        field("texels", &TextureOptions::texels,
+              "at most this many texels over all pages of a map; alone, it replaces the default "
+              "bound");
+        field("projection", &TextureOptions::projection,
+              "points are projected along the interpolated vertex normal, or the triangle's "
+              "(orthographic)");
+        field("max-patch", &TextureOptions::max_patch, "longest side of a patch in texels");
+        field("paper", &TextureOptions::paper, "all choices of Wicke, Olibet, Gross 2005");
+    }
+};
+
+/// Why a triangle stopped before its error reached the bound.
+struct CappedCounts {
+    Index by_spacing = 0;  ///< texels are finer than the points: more tell nothing new
+    Index by_count = 0;    ///< 8 texels per point
+    Index by_size = 0;     ///< longest side of a patch or page
+    Index by_budget = 0;   ///< --texels
+    Index total() const { return by_spacing + by_count + by_size + by_budget; }
+};
+
+struct TextureReport {
+    double bound = 0.0;     ///< 8-bit sRGB steps; infinite if only a budget was given
+    bool bound_met = true;  ///< no triangle capped
+    CappedCounts capped;
+    double error_mean = 0.0, error_rms = 0.0, error_p99 = 0.0,
+           error_max = 0.0;  ///< per-triangle RMS to the splats
+    double raw_rms = 0.0,
+           raw_p99 = 0.0;       ///< texture against the points' own colours, over all points
+    int sharpening_rounds = 0;  ///< chosen by leave-out prediction
+    std::uint64_t num_uncovered_texels = 0;  ///< no splat reached them; filled from neighbours
+    std::uint64_t num_patches = 0, num_needed_texels = 0;
+    double payload_texels =
+        0.0;  ///< surface area in texels: sum of the triangles' areas in the pages
+    double texel_spacing_median = 0.0;  ///< cloud units
+};
+
+}  // namespace pointbake

@@ -1,0 +1,127 @@
+// The values that stages hand to each other. Plain structs of parallel arrays: an empty array means
+// "not present", every non-empty one has one entry per point (vertex, triangle).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "pointbake/vec.h"
+
+namespace pointbake {
+
+using Index = std::uint32_t;
+inline constexpr Index kInvalidIndex = ~Index{0};
+using Triangle = std::array<Index, 3>;
+
+/// sRGB-coded colour, 16 bit per channel; an 8-bit value v is stored as 257 v.
+struct Rgb16 {
+    std::uint16_t r = 0, g = 0, b = 0;
+    friend constexpr bool operator==(const Rgb16&, const Rgb16&) = default;
+};
+
+/// Two tangent axes of an elliptical surfel. Their lengths are the Gaussian's standard deviations,
+/// in cloud units.
+struct TangentAxes {
+    Vec3f u, v;
+};
+
+/// Why an input row is not a point of the cloud (any more), or merged into another one.
+enum class DropReason : std::uint8_t {
+    kKept = 0,
+    kMerged = 1,      ///< same coordinates as another row, which stands for it: counts as kept
+    kNonFinite = 2,   ///< a coordinate is NaN or infinite
+    kOffSurface = 3,  ///< the reconstructed surface leaves it out, farther than the geometry bound
+};
+std::string_view to_string(DropReason reason);
+
+/// An input row that is not kept.
+struct DroppedPoint {
+    std::uint64_t row = 0;
+    Vec3d position;
+    DropReason reason = DropReason::kKept;
+};
+
+enum class ChannelKind : std::uint8_t { kScalar, kCategory, kVector };
+
+/// Any other attribute of the points: intensity, classification, confidence, ...
+struct Channel {
+    std::string name;
+    std::string unit;
+    ChannelKind kind = ChannelKind::kScalar;
+    Index num_components = 1;
+    std::vector<float> data;  ///< size() * num_components values
+};
+
+/// A point cloud, in Morton order from load on. All lengths are in the file's own unit.
+struct PointCloud {
+    std::vector<Vec3d> positions;   ///< as read, in double
+    std::vector<Rgb16> colors;      ///< sRGB-coded
+    std::vector<Vec3f> normals;     ///< unit length; zero = unknown
+    std::vector<float> radii;       ///< surfel radius as the file gives it, or equivalent spacing
+    std::vector<float> areas;       ///< area that a point stands for
+    std::vector<TangentAxes> axes;  ///< only for elliptical surfels
+    std::vector<Vec3f>
+        sensors;  ///< direction from the point to the sensor that saw it; zero = unknown
+    std::vector<float> weights;       ///< confidence or opacity, (0, 1]
+    std::vector<std::uint64_t> rows;  ///< input row of each point
+    std::vector<Channel> channels;
+
+    std::uint64_t num_rows = 0;         ///< rows in the input
+    std::vector<DroppedPoint> dropped;  ///< rows that are no points, by row
+    std::vector<std::pair<std::uint64_t, std::uint64_t>>
+        merged;  ///< (row, row that stands for it), by row
+
+    std::size_t size() const { return positions.size(); }
+};
+
+/// 8-bit image, rows from top to bottom, channels interleaved.
+struct Image {
+    int width = 0, height = 0, num_channels = 3;
+    std::vector<std::uint8_t> pixels;
+
+    std::size_t num_texels() const {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    }
+};
+
+/// Triangles over shared vertices, counter-clockwise seen from outside.
+struct Mesh {
+    std::vector<Vec3d> positions;
+    std::vector<Triangle> triangles;
+    std::vector<Vec3f> normals;  ///< per vertex, unit length
+    std::vector<Rgb16> colors;   ///< per vertex, sRGB-coded
+    std::vector<std::array<Vec2f, 3>>
+        uvs;  ///< per triangle and corner; (0,0) = upper left corner of the image (glTF)
+};
+
+/// A dense mesh over the cloud's points, as reconstruct hands it on.
+struct DenseMesh {
+    Mesh mesh;
+    std::vector<Index> vertex_points;  ///< point under each vertex; empty for a mesh that does not
+                                       ///< come from the cloud
+};
+
+struct Material {
+    std::string name = "material";
+    std::array<double, 3> base_color{1.0, 1.0, 1.0};  ///< linear light
+    int color_image = -1;                             ///< index into images, -1 = none
+    int normal_image = -1;  ///< tangent-space map, index into images, -1 = none
+};
+
+/// A mesh with its textures: what sample reads and what convert writes.
+struct TexturedMesh {
+    Mesh mesh;
+    std::vector<Vec3f>
+        corner_tangents;  ///< per triangle: direction of +u (for normal maps); empty = none
+    std::vector<std::int8_t> tangent_signs;  ///< per triangle: handedness, +1 or -1
+    std::vector<Index> triangle_materials;   ///< per triangle; empty = all 0
+    std::vector<Material> materials;
+    std::vector<Image> images;
+};
+
+}  // namespace pointbake

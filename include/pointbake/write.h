@@ -1,0 +1,72 @@
+// Stage 7: the textured mesh becomes a file: GLB, glTF, OBJ, PLY. Written to a temporary file and
+// renamed: whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "pointbake/context.h"
+#include "pointbake/options.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+enum class Shading { kUnlit, kLit };
+template <>
+struct EnumWords<Shading> {
+    static constexpr std::string_view words[] = {"unlit", "lit"};
+};
+enum class UpAxis { kAuto, kX, kY, kZ };
+template <>
+struct EnumWords<UpAxis> {
+    static constexpr std::string_view words[] = {"auto", "x", "y", "z"};
+};
+
+struct WriteOptions {
+    Shading shading = Shading::kUnlit;
+    UpAxis up = UpAxis::kAuto;
+    double scale = 1.0;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("shading", &WriteOptions::shading,
+              "unlit: colours as captured; lit: with normals, for a lit scene");
+        field("up", &WriteOptions::up,
+              "which axis of the input points up (a node transform; coordinates stay)");
+        field("scale", &WriteOptions::scale,
+              "metres per unit of the input (a node transform; coordinates stay)");
+    }
+};
+
+struct WriteReport {
+    std::uint64_t num_bytes = 0;       ///< all files together
+    std::uint64_t num_vertices = 0;    ///< after splits along texture borders
+    std::uint64_t num_draw_calls = 0;  ///< primitives
+    bool has_translation =
+        false;  ///< coordinates were too large for floats: a node translation carries them
+    std::vector<std::filesystem::path> files;
+};
+
+/// Writes by extension: .glb, .gltf (+ .bin, .png), .obj (+ .mtl, .png), .ply (texture coordinates
+/// per face, or vertex colours). glTF passes the Khronos validator with 0 errors and 0 warnings:
+/// normals only where lit, clamped samplers with LINEAR minification (triangle atlases), exact
+/// accessor bounds. Coordinates that lose more than 1e-6 of the diagonal as floats are written
+/// relative to a node translation. Throws Error{kOutput} and leaves nothing behind;
+/// Error{kUnsupported} names the extensions that are known.
+WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
+                        const WriteOptions& options = {}, const Context& context = {});
+
+/// Writes points as binary little-endian PLY, doubles where the coordinates need them, with every
+/// attribute and channel.
+void write_cloud(const PointCloud& cloud, const std::filesystem::path& path,
+                 const Context& context = {});
+
+/// Writes every input row: coordinates, row, kept (0 or 1), reason; points that `off_surface` marks
+/// are not kept.
+void write_points(const PointCloud& cloud, std::span<const std::uint8_t> off_surface,
+                  const std::filesystem::path& path, const Context& context = {});
+
+/// Writes an image as 8-bit PNG.
+void write_png(const Image& image, const std::filesystem::path& path, const Context& context = {});
+
+}  // namespace pointbake

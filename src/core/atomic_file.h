@@ -1,0 +1,38 @@
+// Output that is there whole or not at all: a temporary file beside the target, renamed by
+// commit().
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+
+namespace pointbake {
+
+/// Buffered. Every failing call throws Error{kOutput} naming the path and the reason (disk full, no
+/// permission, ...). Without commit() the destructor removes the temporary file and the old target
+/// stays as it was.
+class AtomicFile {
+ public:
+    explicit AtomicFile(std::filesystem::path target);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    void write(std::span<const std::byte> bytes);
+    void write(std::string_view text);
+    template <class T>
+    void write_value(const T& value) {
+        write(std::as_bytes(std::span<const T>(&value, 1)));
+    }
+    std::uint64_t size() const { return size_; }
+    void commit();
+
+ private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+    std::uint64_t size_ = 0;
+};
+
+}  // namespace pointbake

@@ -1,0 +1,1 @@
+#include "core/mapped_file.h"

@@ -1,0 +1,46 @@
+#include "pointbake/options.h"
+
+#include <array>
+#include <charconv>
+
+#include "core/message.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+std::string_view to_string(DropReason reason) {
+    static constexpr std::array<std::string_view, 4> words = {"kept", "merged", "non_finite",
+                                                              "off_surface"};
+    return words[static_cast<std::size_t>(reason)];
+}
+
+Length parse_length(std::string_view text) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const std::string_view suffix = text.substr(static_cast<std::size_t>(end - text.data()));
+    struct Unit {
+        std::string_view suffix;
+        Length length;
+    };
+    const std::array<Unit, 6> known = {{{"%", fraction(value / 100.0)},
+                                        {"", units(value)},
+                                        {"m", units(value)},
+                                        {"cm", units(value * 0.01)},
+                                        {"mm", units(value * 0.001)},
+                                        {"um", units(value * 1e-6)}}};
+    for (const Unit& unit : known) {
+        if (error == std::errc{} && value >= 0.0 && value <= 1e300 && suffix == unit.suffix)
+            return unit.length;
+    }
+    fail(ErrorCode::kInvalidOption,
+         "'{}' is not a length: expected a share of the diagonal (0.1%), units (0.002) or a "
+         "measure (2mm, 1.5cm, 3m)",
+         text);
+}
+
+std::string to_string(const Length& length) {
+    return length.kind == Length::Kind::kFraction ? fmt::format("{}%", length.value * 100.0)
+                                                  : fmt::format("{}", length.value);
+}
+
+}  // namespace pointbake

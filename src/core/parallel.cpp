@@ -1,0 +1,38 @@
+#include "core/parallel.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+#include <thread>
+
+#include "pointbake/error.h"
+
+namespace pointbake {
+
+int num_threads(const Context& context) {
+    if (context.threads > 0) return context.threads;
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void check_cancelled(const Context& context) {
+    if (context.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "cancelled");
+}
+
+void parallel_chunks(const Context& context, std::size_t num_chunks,
+                     const std::function<void(std::size_t)>& body) {
+    const auto guarded = [&](std::size_t chunk) {
+        check_cancelled(context);
+        body(chunk);
+    };
+    const int threads = num_threads(context);
+    if (threads == 1 || num_chunks < 2) {
+        for (std::size_t chunk = 0; chunk < num_chunks; ++chunk) guarded(chunk);
+        return;
+    }
+    tbb::task_arena arena(threads);
+    arena.execute(
+        [&] { tbb::parallel_for(std::size_t{0}, num_chunks, guarded, tbb::simple_partitioner{}); });
+}
+
+}  // namespace pointbake

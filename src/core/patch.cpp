@@ -1,0 +1,1 @@
+#include "pointbake/patch.h"
