@@ -31,18 +31,6 @@ struct AtlasOptions {
     }
 };
 
-/// How a patch lies in its page. Patch texel (i, j) of a w x h shape lies at (x + i', y + j') with
-/// i' = w-1-i if mirror_x, j' = h-1-j if mirror_y; both = rotated by 180 degrees.
-struct Placement {
-    Index page = 0;
-    int x = 0, y = 0;
-    bool mirror_x = false, mirror_y = false;
-};
-
-struct PageSize {
-    int width = 0, height = 0;
-};
-
 struct Packing {
     std::vector<PageSize> pages;
     std::vector<Placement> placements;  ///< one per shape

@@ -12,12 +12,14 @@ namespace pointbake {
 Mesh demo_mesh();
 
 /// Paint as a function of the place on the model: flat areas, gradients, fine lines, readable
-/// lettering at several sizes. p is relative to the bounding box (each axis in [0, 1], the longest
-/// axis filling it), n the outward unit normal.
+/// lettering at several sizes. p is relative to the model's bounding box: (point - low corner) /
+/// longest side, so that the longest axis fills [0, 1] and the others begin at 0; n is the outward
+/// unit normal. Letters are projected from the six faces of the box and read rightly from outside.
 Rgb16 paint_at(Vec3d p, Vec3d n);
 
-/// The demo model as a point cloud of about `points` points whose density varies by 4:1 over the
-/// surface.
+/// The demo model as a point cloud of `points` points whose density varies by 4:1 over the surface:
+/// positions, colours and rows, as a scan would have. Evenly spread; the same for any number of
+/// threads. Throws Error{kInvalidOption} for 0 or more than 100 million points.
 PointCloud demo_cloud(std::uint64_t points, const Context& context = {});
 
 }  // namespace pointbake

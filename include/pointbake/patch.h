@@ -33,4 +33,16 @@ struct NeedSet {
 };
 NeedSet need_set(const std::array<Vec2d, 3>& corners);
 
+/// How a patch lies in its page. Patch texel (i, j) of a w x h shape lies at (x + i', y + j') with
+/// i' = w-1-i if mirror_x, j' = h-1-j if mirror_y; both = rotated by 180 degrees.
+struct Placement {
+    Index page = 0;
+    int x = 0, y = 0;
+    bool mirror_x = false, mirror_y = false;
+};
+
+struct PageSize {
+    int width = 0, height = 0;
+};
+
 }  // namespace pointbake

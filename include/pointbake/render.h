@@ -1,5 +1,5 @@
-// A small ray caster for pictures of what went in and what came out. Unlit, supersampled, no
-// window, no GPU.
+// A small renderer for pictures of what went in and what came out. Supersampled, no window,
+// no GPU.
 #pragma once
 
 #include <vector>

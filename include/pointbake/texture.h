@@ -4,7 +4,9 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "pointbake/context.h"
 #include "pointbake/options.h"
@@ -65,6 +67,51 @@ struct TextureReport {
     double payload_texels =
         0.0;  ///< surface area in texels: sum of the triangles' areas in the pages
     double texel_spacing_median = 0.0;  ///< cloud units
+};
+
+/// Sizes chosen for all patches: what the atlas packs.
+struct TexturePlan {
+    std::vector<std::uint8_t> levels;  ///< per triangle
+    std::vector<PatchShape> shapes;    ///< per triangle
+    std::int64_t num_needed = 0;       ///< texels of all shapes
+    bool all_at_cap = false;           ///< no patch could use more texels
+};
+
+/// A model whose pages are filled where patches need them.
+struct BakedTexture {
+    TexturedMesh model;
+    std::vector<std::vector<std::uint8_t>>
+        owned;                            ///< per page, one byte per texel: 1 = a patch needs it
+    double raw_rms = 0.0, raw_p99 = 0.0;  ///< written texture against the points' own colours
+    std::uint64_t num_uncovered = 0;      ///< texels no splat reached
+};
+
+/// Makes textures for one mesh and one cloud. Construction projects every point once (linear time);
+/// planning measures the error of every patch at every size it may need; baking writes the chosen
+/// sizes into pages. The mesh, the cloud and the owners must outlive it.
+class TextureBaker {
+ public:
+    /// `owners`: per point the triangle it was attributed to, kInvalidIndex = none. The cloud needs
+    /// areas and either colours or normals.
+    TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
+                 const TextureOptions& options, const Context& context);
+    ~TextureBaker();
+
+    /// Smallest sizes whose error is at most `bound` (8-bit sRGB steps), as far as caps allow,
+    /// together needing at most `max_needed` texels: where that is too few they are spent where
+    /// they lower the squared error most.
+    TexturePlan plan(double bound, std::int64_t max_needed) const;
+
+    /// Splats the plan's patches into pages and fills in texture coordinates and materials.
+    BakedTexture bake(const TexturePlan& plan, std::span<const PageSize> pages,
+                      std::span<const Placement> placements, const Context& context) const;
+
+    /// Figures of a plan against a bound.
+    TextureReport report(const TexturePlan& plan, double bound) const;
+
+ private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace pointbake

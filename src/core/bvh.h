@@ -45,8 +45,11 @@ class TriangleBvh {
     };
     std::span<const Vec3d> positions_;
     std::span<const Triangle> triangles_;
+    Vec3d origin_;  ///< boxes are relative to it, so that large coordinates lose nothing
     std::vector<Node> nodes_;
     std::vector<Index> order_;
+
+    friend class BvhBuilder;
 };
 
 }  // namespace pointbake

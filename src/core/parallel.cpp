@@ -1,5 +1,6 @@
 #include "core/parallel.h"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
@@ -13,6 +14,13 @@ namespace pointbake {
 int num_threads(const Context& context) {
     if (context.threads > 0) return context.threads;
     return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void allow_many_threads() {
+    // More threads than cores must be allowed before the library below starts its first one, or it
+    // complains on stderr.
+    constexpr std::size_t kMost = 1024;
+    static const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, kMost);
 }
 
 void check_cancelled(const Context& context) {
@@ -30,6 +38,7 @@ void parallel_chunks(const Context& context, std::size_t num_chunks,
         for (std::size_t chunk = 0; chunk < num_chunks; ++chunk) guarded(chunk);
         return;
     }
+    allow_many_threads();
     tbb::task_arena arena(threads);
     arena.execute(
         [&] { tbb::parallel_for(std::size_t{0}, num_chunks, guarded, tbb::simple_partitioner{}); });

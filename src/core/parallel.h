@@ -14,6 +14,9 @@ namespace pointbake {
 /// Threads that a context asks for; 0 becomes the number of cores.
 int num_threads(const Context& context);
 
+/// Call before making a task arena of one's own.
+void allow_many_threads();
+
 /// Throws Error{kCancelled} if the context was told to stop.
 void check_cancelled(const Context& context);
 

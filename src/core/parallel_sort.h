@@ -19,6 +19,7 @@ void parallel_sort(const Context& context, std::vector<T>& values, Less less = {
         std::sort(values.begin(), values.end(), less);
         return;
     }
+    allow_many_threads();
     tbb::task_arena arena(num_threads(context));
     arena.execute([&] { tbb::parallel_sort(values.begin(), values.end(), less); });
 }

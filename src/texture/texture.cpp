@@ -1,1 +1,256 @@
+// After [Wicke05], section 4, with one order of events for all patches: measure the error of each
+// at every size, choose the sizes, pack, and only then make the texels that are written.
 #include "pointbake/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/adjacency.h"
+#include "core/message.h"
+#include "core/parallel.h"
+#include "texture/level_errors.h"
+#include "texture/normal_map.h"
+#include "texture/patch_texels.h"
+#include "texture/sharpen.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::size_t kGrain = 32;    // triangles per chunk
+constexpr double kKernelSigma = 0.5;  // of sqrt(area); narrower leaves holes, wider blurs
+constexpr int kBisections = 60;       // of the price of a texel
+
+std::vector<Vec3f> map_values(const PointCloud& cloud, MapKind kind, const Footprints& prints) {
+    std::vector<Vec3f> values(prints.items.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const Index p = prints.items[i].point;
+        values[i] = kind == MapKind::kColor ? to_linear(cloud.colors[p]) : cloud.normals[p];
+    }
+    return values;
+}
+
+}  // namespace
+
+struct TextureBaker::Impl {
+    const Mesh& mesh;
+    const PointCloud& cloud;
+    TextureOptions options;
+    MapKind kind;
+    std::vector<std::array<Index, 3>> neighbors;
+    Shell shell;
+    Footprints prints;
+    SplatScene scene;
+    std::vector<Vec3f> raw;
+    Sharpened sharpened;
+    LevelErrors levels;
+
+    Impl(const Mesh& m, const PointCloud& c, std::span<const Index> owners, const TextureOptions& o,
+         const Context& context)
+        : mesh(m),
+          cloud(c),
+          options(o),
+          kind(c.colors.empty() ? MapKind::kNormal : MapKind::kColor),
+          neighbors(triangle_neighbors(m.triangles)),
+          shell(m, o.projection, context),
+          prints(project_points(m, c, owners, shell, neighbors, kKernelSigma, context)),
+          scene{mesh, shell, neighbors, prints} {
+        report_progress(context, "texture", 0.1);
+        raw = map_values(cloud, kind, prints);
+        std::vector<std::uint64_t> rows(raw.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = cloud.rows[prints.items[i].point];
+        sharpened = sharpen(scene, kind, raw, rows, context);
+        report_progress(context, "texture", 0.3);
+        levels = measure_levels(scene, cloud, kind, sharpened.values, options, context);
+        report_progress(context, "texture", 0.7);
+    }
+};
+
+TextureBaker::TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
+                           const TextureOptions& options, const Context& context) {
+    if (owners.size() != cloud.size())
+        fail(ErrorCode::kInvalidInput, "{} owners for {} points", owners.size(), cloud.size());
+    if (cloud.areas.empty())
+        fail(ErrorCode::kInvalidInput, "the texture stage needs the points' areas");
+    if (cloud.colors.empty() && cloud.normals.empty()) {
+        fail(ErrorCode::kInvalidInput, "the texture stage needs colours or normals");
+    }
+    impl_ = std::make_unique<Impl>(mesh, cloud, owners, options, context);
+}
+
+TextureBaker::~TextureBaker() = default;
+
+TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed) const {
+    const LevelErrors& levels = impl_->levels;
+    const std::size_t num_triangles = impl_->mesh.triangles.size();
+    // Where each patch stops if texels cost nothing.
+    std::vector<std::uint8_t> last(num_triangles);
+    for (std::size_t t = 0; t < num_triangles; ++t) last[t] = levels.first_within(t, bound);
+
+    TexturePlan plan;
+    const auto choose = [&](double price) {
+        std::int64_t total = 0;
+        plan.levels = last;
+        for (std::size_t t = 0; t < num_triangles; ++t) {
+            if (price > 0.0) plan.levels[t] = levels.cheapest(t, last[t], price);
+            total += levels.needed(t, plan.levels[t]);
+        }
+        return total;
+    };
+    plan.num_needed = choose(0.0);
+    plan.all_at_cap = plan.num_needed <= max_needed;
+    if (!plan.all_at_cap) {
+        // The price of a texel, in squared error times area: the lowest one that keeps the budget.
+        double low = 1e-12 * levels.total_area(), high = 1e12 * levels.total_area();
+        for (int i = 0; i < kBisections; ++i) {
+            const double middle = std::sqrt(low * high);
+            (choose(middle) > max_needed ? low : high) = middle;
+        }
+        plan.num_needed = choose(high);
+    }
+    plan.shapes.resize(num_triangles);
+    for (std::size_t t = 0; t < num_triangles; ++t) {
+        const TriangleFrame& frame = impl_->shell.frame(static_cast<Index>(t));
+        plan.shapes[t] =
+            need_set(patch_layout(frame, level_density(frame, plan.levels[t])).corners).shape;
+    }
+    return plan;
+}
+
+namespace {
+
+struct RawErrors {
+    double sum = 0.0;
+    std::uint64_t num_uncovered = 0;
+};
+
+// Patch texel -> page texel under a placement.
+struct Pose {
+    const Placement& place;
+    int width, height;
+    int x(int i) const { return place.x + (place.mirror_x ? width - 1 - i : i); }
+    int y(int j) const { return place.y + (place.mirror_y ? height - 1 - j : j); }
+    Vec2f uv(Vec2d texel, const PageSize& page) const {
+        const double px = place.mirror_x ? width - 1 - texel.x : texel.x;
+        const double py = place.mirror_y ? height - 1 - texel.y : texel.y;
+        return {static_cast<float>((place.x + px + 0.5) / page.width),
+                static_cast<float>((place.y + py + 0.5) / page.height)};
+    }
+};
+
+void copy_to_page(const PatchTexels& patch, const Pose& pose, Image& page,
+                  std::vector<std::uint8_t>& owned) {
+    for (int row = 0; row < patch.need.shape.height(); ++row) {
+        const PatchShape::Span span = patch.need.shape.rows[static_cast<std::size_t>(row)];
+        for (int i = span.left; i <= span.right; ++i) {
+            const Texel texel = patch.texel(i, row);
+            const auto at =
+                static_cast<std::size_t>(pose.y(row)) * static_cast<std::size_t>(page.width) +
+                static_cast<std::size_t>(pose.x(i));
+            std::copy(texel.begin(), texel.end(),
+                      page.pixels.begin() + static_cast<std::ptrdiff_t>(3 * at));
+            owned[at] = 1;
+        }
+    }
+}
+
+BakedTexture empty_pages(const Mesh& mesh, MapKind kind, std::span<const PageSize> pages) {
+    BakedTexture out;
+    out.model.mesh = mesh;
+    out.model.mesh.uvs.resize(mesh.triangles.size());
+    out.model.triangle_materials.resize(mesh.triangles.size());
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+        Image image{pages[i].width, pages[i].height, 3, {}};
+        image.pixels.assign(image.num_texels() * 3, 0);
+        out.owned.emplace_back(image.num_texels(), std::uint8_t{0});
+        Material material;
+        material.name = fmt::format("page{}", i);
+        (kind == MapKind::kColor ? material.color_image : material.normal_image) =
+            static_cast<int>(i);
+        out.model.images.push_back(std::move(image));
+        out.model.materials.push_back(std::move(material));
+    }
+    if (kind == MapKind::kNormal) {
+        out.model.corner_tangents.resize(mesh.triangles.size());
+        out.model.tangent_signs.resize(mesh.triangles.size());
+    }
+    return out;
+}
+
+}  // namespace
+
+BakedTexture TextureBaker::bake(const TexturePlan& plan, std::span<const PageSize> pages,
+                                std::span<const Placement> placements,
+                                const Context& context) const {
+    const Impl& impl = *impl_;
+    BakedTexture out = empty_pages(impl.mesh, impl.kind, pages);
+    out.model.mesh.normals = impl.shell.normals();
+    std::vector<float> raw_errors(impl.prints.items.size(), 0.0F);
+    const auto bake_range = [&](std::size_t begin, std::size_t end) {
+        LocalField field(impl.scene);
+        RawErrors errors;
+        for (std::size_t t = begin; t < end; ++t) {
+            const auto triangle = static_cast<Index>(t);
+            PatchTexels patch = make_patch(field, impl.scene, impl.cloud, impl.kind,
+                                           impl.sharpened.values, triangle, plan.levels[t]);
+            errors.num_uncovered += patch.num_uncovered;
+            const std::span<const Footprint> own = impl.prints.of(triangle);
+            for (std::size_t k = 0; k < own.size(); ++k) {
+                const std::size_t item = impl.prints.begin[triangle] + k;
+                const Vec3f read =
+                    sample_bilinear(patch, impl.kind, patch.layout.texel_of(own[k].center));
+                const Vec3f d = to_steps(impl.kind, read) - to_steps(impl.kind, impl.raw[item]);
+                raw_errors[item] = std::sqrt(squared_length(d) / 3.0F);
+                errors.sum += static_cast<double>(squared_length(d)) / 3.0;
+            }
+            const Placement& place = placements[t];
+            const Pose pose{place, patch.width(), patch.need.shape.height()};
+            if (impl.kind == MapKind::kNormal) {
+                const TangentFrame tangent =
+                    to_tangent_space(patch, impl.shell, impl.mesh, triangle, place);
+                out.model.corner_tangents[t] = tangent.tangent;
+                out.model.tangent_signs[t] = tangent.sign;
+            }
+            copy_to_page(patch, pose, out.model.images[place.page], out.owned[place.page]);
+            out.model.triangle_materials[t] = place.page;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec2d local =
+                    patch.layout.corners[k] - Vec2d{static_cast<double>(patch.need.offset_x),
+                                                    static_cast<double>(patch.need.offset_y)};
+                out.model.mesh.uvs[t][k] = pose.uv(local, pages[place.page]);
+            }
+        }
+        return errors;
+    };
+    const RawErrors total =
+        parallel_reduce(context, impl.mesh.triangles.size(), kGrain, RawErrors{}, bake_range,
+                        [](RawErrors a, RawErrors b) {
+                            return RawErrors{a.sum + b.sum, a.num_uncovered + b.num_uncovered};
+                        });
+    out.num_uncovered = total.num_uncovered;
+    if (!raw_errors.empty()) {
+        out.raw_rms = std::sqrt(total.sum / static_cast<double>(raw_errors.size()));
+        const auto p99 =
+            raw_errors.begin() + static_cast<std::ptrdiff_t>(raw_errors.size() * 99 / 100);
+        std::nth_element(raw_errors.begin(), p99, raw_errors.end());
+        out.raw_p99 = static_cast<double>(*p99);
+    }
+    return out;
+}
+
+TextureReport TextureBaker::report(const TexturePlan& plan, double bound) const {
+    const Impl& impl = *impl_;
+    TextureReport out;
+    out.bound = bound;
+    out.sharpening_rounds = impl.sharpened.rounds;
+    out.num_patches = plan.levels.size();
+    out.num_needed_texels = static_cast<std::uint64_t>(plan.num_needed);
+    summarise_errors(impl.levels, plan.levels, bound, out);
+    for (std::size_t t = 0; t < plan.levels.size(); ++t) {
+        const TriangleFrame& frame = impl.shell.frame(static_cast<Index>(t));
+        const PatchLayout layout = patch_layout(frame, level_density(frame, plan.levels[t]));
+        out.payload_texels += 0.5 * layout.base * layout.height;
+    }
+    return out;
+}
+
+}  // namespace pointbake

@@ -1,0 +1,37 @@
+# make demo   install what is missing, build, convert the model that the program makes itself
+# make test   install what is missing, build, run every test
+# make quick-bench   two public cases of the quality bench, without baseline
+
+.PHONY: all demo test setup build quick-bench format lint clean
+
+all: build
+
+setup:
+	@tools/setup.sh build
+
+build: setup
+	@cmake --preset release -DPOINTBAKE_TESTS=OFF > build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+	@cmake --build --preset release
+
+demo: build
+	@mkdir -p demo-out
+	build/release/pointbake demo demo-out/demo.glb
+
+test:
+	@tools/setup.sh test
+	@cmake --preset release -DPOINTBAKE_TESTS=ON > build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+	@cmake --build --preset release
+	@ctest --preset release
+
+quick-bench: build
+	@tools/quick_bench.sh
+
+format:
+	@git ls-files '*.h' '*.cpp' | xargs clang-format-19 -i
+
+lint:
+	@python3 tools/check_layers.py
+	@git ls-files '*.h' '*.cpp' | xargs clang-format-19 --dry-run --Werror
+
+clean:
+	rm -rf build demo-out

@@ -1,0 +1,224 @@
+#include "conversion.h"
+
+#include <array>
+#include <chrono>
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "files.h"
+#include "load_input.h"
+#include "merge_inputs.h"
+#include "summary.h"
+#include "work_dir.h"
+
+namespace pointbake::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 4> kModelExtensions = {".glb", ".gltf", ".obj", ".ply"};
+constexpr std::array<std::string_view, 1> kPointExtensions = {".ply"};
+
+class Stopwatch {
+ public:
+    double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point start_ = Clock::now();
+};
+
+bool writes_points_only(Stage stage) { return stage <= Stage::kAttributes; }
+
+std::vector<std::string> names(const std::vector<fs::path>& paths) {
+    std::vector<std::string> names;
+    for (const fs::path& path : paths) names.push_back(path.string());
+    return names;
+}
+
+void check_options(const Job& job) {
+    const bool has_mesh = !job.mesh.mesh.empty();
+    if (job.layout.keep_uvs && !has_mesh)
+        fail(ErrorCode::kInvalidOption, "--keep-uvs needs --mesh FILE, whose layout it keeps");
+    if (!(job.write.scale > 0.0))
+        fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", job.write.scale);
+    if (job.output.empty() && job.files.work_dir.empty())
+        fail(ErrorCode::kInvalidOption,
+             "--stop-after {} needs a place for its result: OUTPUT or --work-dir DIR",
+             to_word(job.stop.stop_after));
+}
+
+/// Before the long work: can everything be written where it shall go?
+void check_outputs(const Job& job) {
+    std::vector<fs::path> taken = job.inputs;
+    if (!job.mesh.mesh.empty()) taken.push_back(job.mesh.mesh);
+    const auto num_inputs = static_cast<std::ptrdiff_t>(taken.size());
+    const auto check = [&](const fs::path& path, std::span<const std::string_view> extensions) {
+        if (path.empty() || path == "-") return;
+        check_extension(path, extensions);
+        if (std::ranges::find(taken.begin() + num_inputs, taken.end(), path) != taken.end())
+            fail(ErrorCode::kInvalidOption, "{} is named twice", path.string());
+        check_writable(path, taken);
+        taken.push_back(path);
+    };
+    static constexpr std::array<std::string_view, 1> json = {".json"};
+    if (writes_points_only(job.stop.stop_after))
+        check(job.output, kPointExtensions);
+    else
+        check(job.output, kModelExtensions);
+    check(job.files.write_points, kPointExtensions);
+    check(job.files.report, json);
+    if (job.files.work_dir.empty() || job.limits.dry_run) return;
+    std::error_code error;
+    fs::create_directories(job.files.work_dir, error);
+    if (error)
+        fail(ErrorCode::kOutput, "--work-dir {}: {}", job.files.work_dir.string(), error.message());
+    check_writable(job.files.work_dir / "options.json", taken);
+}
+
+void check_memory(const Job& job, std::uint64_t num_points) {
+    const std::uint64_t needed = predicted_memory(num_points);
+    if (!job.limits.max_memory || needed <= job.limits.max_memory->bytes) return;
+    fail(ErrorCode::kLimit, "{} are expected to need up to {} of memory, more than --max-memory {}",
+         counted(num_points, "point"), bytes_text(needed),
+         bytes_text(job.limits.max_memory->bytes));
+}
+
+std::vector<std::uint8_t> off_surface(const SimplifyResult& light) {
+    std::vector<std::uint8_t> marks(light.point_triangles.size());
+    for (std::size_t i = 0; i < marks.size(); ++i)
+        marks[i] = light.point_triangles[i] == kInvalidIndex;
+    return marks;
+}
+
+/// Bounds that were asked for (or are the default) and not kept.
+bool misses_bound(const ConvertReport& report, Stage last) {
+    return (last >= Stage::kSimplify && !report.simplify.bound_met) ||
+           (last >= Stage::kTexture && !report.texture.bound_met);
+}
+
+/// The run in steps; each step is told by its name.
+class Run {
+ public:
+    Run(const Job& job, Console& console, const std::stop_token& stop)
+        : job_(job), console_(console), context_(console.context(job.run.threads, stop)) {
+        report_.input = fmt::format("{}", fmt::join(names(job.inputs), " "));
+        report_.output = job.output.string();
+        report_.options = job.result_options;
+        report_.last_stage = job.stop.stop_after;
+        report_.threads = num_threads(context_);
+    }
+
+    void check() {
+        check_options(job_);
+        check_outputs(job_);
+        std::uint64_t promised = 0;
+        for (const fs::path& input : job_.inputs) promised += promised_points(input).value_or(0);
+        check_memory(job_, promised);
+    }
+
+    ConvertInput load() {
+        const Stopwatch watch;
+        std::vector<LoadResult> parts;
+        for (const fs::path& input : job_.inputs) parts.push_back(load_points(input, context_));
+        LoadResult loaded = merge_inputs(std::move(parts), context_);
+        report_.load = loaded.report;
+        check_memory(job_, loaded.cloud.size());
+        ConvertInput input{.cloud = std::move(loaded.cloud),
+                           .file_mesh = std::move(loaded.mesh),
+                           .mesh = {},
+                           .keep_uvs = job_.layout.keep_uvs};
+        if (!job_.mesh.mesh.empty()) input.mesh = load_mesh(job_.mesh.mesh, context_);
+        load_time_ = {Stage::kLoad, watch.seconds(), peak_memory_bytes()};
+        return input;
+    }
+
+    ConvertResult convert(ConvertInput input) {
+        if (report_.last_stage == Stage::kLoad) return loaded_only(std::move(input));
+        ConvertOptions options = job_.convert;
+        options.stop_after = job_.stop.stop_after;
+        StageObserver observer;
+        if (!job_.files.work_dir.empty()) {
+            write_text(job_.files.work_dir / "options.json", job_.all_options + "\n");
+            observer = work_dir_observer(job_.files.work_dir, job_.write, context_);
+        }
+        ConvertResult result = pointbake::convert(std::move(input), options, observer, context_);
+        report_.convert = result.report;
+        report_.convert.times.insert(report_.convert.times.begin(), load_time_);
+        if (report_.last_stage >= Stage::kSimplify) add_distributions(report_, result.light);
+        return result;
+    }
+
+    ConvertResult loaded_only(ConvertInput input) {
+        ConvertResult result;
+        result.cloud = std::move(input.cloud);
+        report_.convert.times = {load_time_};
+        return result;
+    }
+
+    void write(const ConvertResult& result) {
+        const Stopwatch watch;
+        report_progress(context_, "write", 0.0);
+        if (!job_.output.empty())
+            report_.write =
+                write_stage(report_.last_stage, result, job_.output, job_.write, context_);
+        report_.convert.times.push_back({Stage::kWrite, watch.seconds(), peak_memory_bytes()});
+    }
+
+    /// The account of every input row, which is of use when a bound was missed, too.
+    void write_rows(const ConvertResult& result) {
+        if (!job_.files.write_points.empty())
+            write_points(result.cloud, off_surface(result.light), job_.files.write_points,
+                         context_);
+    }
+
+    void tell() {
+        report_.seconds = total_.seconds();
+        report_.peak_bytes = peak_memory_bytes();
+        const std::string json = report_json(report_);
+        if (!job_.files.work_dir.empty()) write_text(job_.files.work_dir / "report.json", json);
+        if (job_.files.report == "-")
+            print_data(json);
+        else if (!job_.files.report.empty())
+            write_text(job_.files.report, json);
+        for (const std::string& line : summary_lines(report_)) console_.summary(line);
+    }
+
+    void tell_plan(const ConvertInput& input) const {
+        for (const std::string& line : plan_lines(job_, input)) print_data(line + "\n");
+    }
+
+    bool fails_strict() const {
+        return job_.limits.strict && misses_bound(report_.convert, report_.last_stage);
+    }
+
+ private:
+    const Job& job_;
+    Console& console_;
+    Context context_;
+    Stopwatch total_;
+    RunReport report_;
+    StageTime load_time_{};
+};
+
+}  // namespace
+
+ConvertResult run_job(const Job& job, Console& console, const std::stop_token& stop) {
+    Run run(job, console, stop);
+    run.check();
+    ConvertInput input = run.load();
+    if (job.limits.dry_run) {
+        run.tell_plan(input);
+        return {};
+    }
+    ConvertResult result = run.convert(std::move(input));
+    run.write_rows(result);
+    const bool is_failure = run.fails_strict();
+    if (!is_failure) run.write(result);
+    run.tell();
+    if (is_failure)
+        fail(ErrorCode::kLimit, "a bound is not met, and with --strict no model is written then");
+    return result;
+}
+
+}  // namespace pointbake::cli

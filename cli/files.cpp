@@ -1,0 +1,98 @@
+#include "files.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "core/atomic_file.h"
+#include "core/message.h"
+
+namespace pointbake::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Longer headers exist only in broken files.
+constexpr std::size_t kLongestHeader = 1 << 16;
+// The shortest point is three one-byte integers.
+constexpr std::uint64_t kLeastBytesPerPoint = 3;
+
+std::string lower_extension(const fs::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+/// The header of a PLY file as text, up to end_header; empty for anything else.
+std::string ply_header(const fs::path& path) {
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) return {};
+    std::ifstream file(path, std::ios::binary);
+    std::string text(kLongestHeader, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    const std::size_t end = text.find("end_header");
+    return text.starts_with("ply") && end != std::string::npos ? text.substr(0, end) : "";
+}
+
+/// The count of an element in a PLY header.
+std::optional<std::uint64_t> element_count(const std::string& header, std::string_view name) {
+    std::istringstream lines(header);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string keyword, element;
+        std::uint64_t count = 0;
+        if (words >> keyword >> element >> count && keyword == "element" && element == name)
+            return count;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+void check_writable(const fs::path& output, std::span<const fs::path> inputs) {
+    std::error_code error;
+    for (const fs::path& input : inputs)
+        if (fs::equivalent(input, output, error))
+            fail(ErrorCode::kInvalidOption, "{} is an input; it would be overwritten",
+                 output.string());
+    if (fs::is_directory(output, error))
+        fail(ErrorCode::kOutput, "{} is a directory; expected a file name", output.string());
+    const AtomicFile probe(output);
+}
+
+void check_extension(const fs::path& output, std::span<const std::string_view> extensions) {
+    if (std::ranges::find(extensions, lower_extension(output)) != extensions.end()) return;
+    fail(ErrorCode::kInvalidOption, "{}: the name of the output must end in {}", output.string(),
+         fmt::join(extensions, ", "));
+}
+
+bool is_mesh_only_extension(const fs::path& path) {
+    static constexpr std::array<std::string_view, 3> extensions = {".glb", ".gltf", ".obj"};
+    return std::ranges::find(extensions, lower_extension(path)) != extensions.end();
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+    AtomicFile file(path);
+    file.write(text);
+    file.commit();
+}
+
+std::optional<std::uint64_t> promised_points(const fs::path& path) {
+    const std::optional<std::uint64_t> count = element_count(ply_header(path), "vertex");
+    std::error_code error;
+    const std::uint64_t size = fs::file_size(path, error);
+    if (!count || error) return std::nullopt;
+    return std::min(*count, size / kLeastBytesPerPoint);
+}
+
+bool is_point_ply(const fs::path& path) {
+    const std::string header = ply_header(path);
+    return !header.empty() && element_count(header, "face").value_or(0) == 0 &&
+           element_count(header, "tristrips").value_or(0) == 0;
+}
+
+}  // namespace pointbake::cli

@@ -1,0 +1,34 @@
+// Looking at files before the long work: may the output be written, how many points come in.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace pointbake::cli {
+
+/// Throws Error{kOutput} if a file cannot be made there, Error{kInvalidOption} if it is an input.
+/// Leaves nothing behind.
+void check_writable(const std::filesystem::path& output,
+                    std::span<const std::filesystem::path> inputs);
+
+/// Throws Error{kInvalidOption} unless the name ends in one of the extensions (".glb", ...).
+void check_extension(const std::filesystem::path& output,
+                     std::span<const std::string_view> extensions);
+/// Names of files that hold meshes and never bare points: OBJ, GLB, glTF.
+bool is_mesh_only_extension(const std::filesystem::path& path);
+
+/// Writes a text whole or not at all.
+void write_text(const std::filesystem::path& path, std::string_view text);
+
+/// Points that a PLY header promises, but no more than fit into the file; nothing for other files.
+/// Only a forecast: the reader says what is wrong with a file.
+std::optional<std::uint64_t> promised_points(const std::filesystem::path& path);
+
+/// Whether an existing file is a PLY of points alone. Overwriting one is likelier a slip than a
+/// wish.
+bool is_point_ply(const std::filesystem::path& path);
+
+}  // namespace pointbake::cli

@@ -1,0 +1,54 @@
+#include "load_input.h"
+
+#include <algorithm>
+
+#include "files.h"
+#include "io/order.h"
+
+namespace pointbake::cli {
+namespace {
+
+/// The triangles, over the points that their vertices became; those that lost a corner are left
+/// out.
+Mesh over_points(const Mesh& mesh, const PointCloud& cloud,
+                 const std::vector<Index>& point_of_vertex) {
+    Mesh out;
+    out.positions = cloud.positions;
+    out.colors = cloud.colors;
+    for (const Triangle& t : mesh.triangles) {
+        const Triangle points = {point_of_vertex[t[0]], point_of_vertex[t[1]],
+                                 point_of_vertex[t[2]]};
+        const bool is_whole = std::ranges::find(points, kInvalidIndex) == points.end();
+        const bool is_flat =
+            points[0] == points[1] || points[1] == points[2] || points[2] == points[0];
+        if (is_whole && !is_flat) out.triangles.push_back(points);
+    }
+    return out;
+}
+
+}  // namespace
+
+LoadResult load_points(const std::filesystem::path& path, const Context& context) {
+    if (!is_mesh_only_extension(path)) return load_cloud(path, {}, context);
+    TexturedMesh model = load_mesh(path, context);
+    PointCloud vertices;
+    vertices.positions = model.mesh.positions;
+    vertices.colors = model.mesh.colors;
+    OrderedCloud ordered = order_cloud(std::move(vertices), context);
+    LoadResult result;
+    result.cloud = std::move(ordered.cloud);
+    result.mesh = over_points(model.mesh, result.cloud, ordered.point_of_row);
+    result.report.format = path.extension().string().substr(1) + " mesh";
+    result.report.num_rows = result.cloud.num_rows;
+    result.report.num_kept = result.cloud.size();
+    result.report.num_non_finite = result.cloud.dropped.size();
+    result.report.num_merged = result.cloud.merged.size();
+    result.report.num_bad_faces = model.mesh.triangles.size() - result.mesh->triangles.size();
+    result.report.notes.emplace_back("the vertices of the mesh are the points");
+    if (!model.images.empty())
+        result.report.notes.emplace_back(
+            "its textures are not read: make points of them with pointbake sample");
+    return result;
+}
+
+}  // namespace pointbake::cli

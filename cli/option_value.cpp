@@ -1,0 +1,50 @@
+#include "option_value.h"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace pointbake::cli {
+
+std::string json_string(std::string_view text) {
+    // File names need not be UTF-8: what is not is replaced, since JSON cannot hold it.
+    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+bool OptionValue<bool>::parse(std::string_view text) {
+    if (text == "true") return true;
+    if (text == "false") return false;
+    fail(ErrorCode::kInvalidOption, "'{}' is not known: expected true or false", text);
+}
+
+double OptionValue<double>::parse(std::string_view text) {
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || stop != end || !std::isfinite(value))
+        fail(ErrorCode::kInvalidOption, "'{}' is not a number: expected something like 2.5", text);
+    return value;
+}
+
+ByteSize OptionValue<ByteSize>::parse(std::string_view text) {
+    struct Unit {
+        std::string_view suffix;
+        std::uint64_t bytes;
+    };
+    static constexpr std::array<Unit, 5> units = {
+        {{"", 1}, {"K", 1ULL << 10}, {"M", 1ULL << 20}, {"G", 1ULL << 30}, {"T", 1ULL << 40}}};
+    // No machine has more; keeps the product within 64 bits.
+    constexpr double kMostBytes = 1e18;
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const std::string_view suffix(stop, text.data() + text.size());
+    for (const Unit& unit : units) {
+        const double bytes = value * static_cast<double>(unit.bytes);
+        if (error == std::errc{} && suffix == unit.suffix && bytes > 0.0 && bytes < kMostBytes)
+            return {static_cast<std::uint64_t>(bytes)};
+    }
+    fail(ErrorCode::kInvalidOption, "'{}' is not an amount of memory: expected 500M, 12G or bytes",
+         text);
+}
+
+}  // namespace pointbake::cli

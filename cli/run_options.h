@@ -1,0 +1,124 @@
+// Options that belong to the program rather than to a stage: files, limits, talk.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "option_value.h"
+#include "pointbake/convert.h"
+
+namespace pointbake {
+
+namespace cli {
+enum class ProgressMode { kBar, kJson, kNone };
+}
+template <>
+struct EnumWords<cli::ProgressMode> {
+    static constexpr std::string_view words[] = {"bar", "json", "none"};
+};
+
+}  // namespace pointbake
+
+namespace pointbake::cli {
+
+struct MeshOptions {
+    std::filesystem::path mesh;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("mesh", &MeshOptions::mesh,
+              "bring a mesh (PLY, OBJ, GLB): nothing is reconstructed, only simplified and "
+              "textured");
+    }
+};
+
+struct LayoutOptions {
+    bool keep_uvs = false;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("keep-uvs", &LayoutOptions::keep_uvs,
+              "bake into the texture coordinates that the mesh brings");
+    }
+};
+
+/// Cloud whose points a mesh is simplified against.
+struct PointsOptions {
+    std::filesystem::path points;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("points", &PointsOptions::points,
+              "points that the mesh must stay near; else its vertices");
+    }
+};
+
+struct DemoOptions {
+    std::uint64_t points = 200'000;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("points", &DemoOptions::points, "about this many points");
+    }
+};
+
+struct InfoOptions {
+    bool json = false;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("json", &InfoOptions::json, "print JSON instead of text");
+    }
+};
+
+struct StopOptions {
+    Stage stop_after = Stage::kWrite;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("stop-after", &StopOptions::stop_after,
+              "end after this stage; OUTPUT is then what the stage made (points or mesh)");
+    }
+};
+
+/// Files beside the output.
+struct FileOptions {
+    std::filesystem::path work_dir;
+    std::filesystem::path write_points;
+    std::filesystem::path report;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("work-dir", &FileOptions::work_dir,
+              "write what each stage made into this folder, as numbered PLY, GLB, PNG, JSON");
+        field("write-points", &FileOptions::write_points,
+              "write every input row as PLY, with `kept` and `reason`");
+        field("report", &FileOptions::report,
+              "write what was found, done and measured as JSON; - writes to stdout");
+    }
+};
+
+/// How a run goes; nothing of it changes the output.
+struct RunOptions {
+    int threads = 0;
+    std::optional<ProgressMode> progress;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("threads", &RunOptions::threads,
+              "threads to use; 0 = all cores. The output is the same for any number");
+        field("progress", &RunOptions::progress,
+              "how progress is shown on stderr; by default a bar on a terminal");
+    }
+};
+
+/// When a conversion is refused, or only talked about.
+struct LimitOptions {
+    std::optional<ByteSize> max_memory;
+    bool strict = false;
+    bool dry_run = false;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("max-memory", &LimitOptions::max_memory,
+              "refuse at once what is expected to need more, like 12G (exit 5)");
+        field("strict", &LimitOptions::strict,
+              "a bound that is not met is an error: no model is written, exit 5");
+        field("dry-run", &LimitOptions::dry_run,
+              "only say what would be done and how much memory it would need");
+    }
+};
+
+}  // namespace pointbake::cli

@@ -1,0 +1,157 @@
+#include "summary.h"
+
+#include <cmath>
+
+namespace pointbake::cli {
+namespace {
+
+// What the stages take where nothing is asked for.
+constexpr Length kDefaultGeometryError = fraction(1e-3);
+constexpr double kDefaultTextureError = 4.0;
+
+std::string bound_text(double bound) {
+    return std::isfinite(bound) ? fmt::format("bound {:.4g}", bound) : "no bound";
+}
+
+std::string geometry_line(const RunReport& r) {
+    const SimplifyReport& simplify = r.convert.simplify;
+    return fmt::format("{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}{}",
+                       counted(r.load.num_kept, "point"),
+                       counted(simplify.num_triangles, "triangle"),
+                       to_word(r.convert.reconstruct.surface), simplify.points_to_mesh.max,
+                       simplify.points_to_mesh.mean, bound_text(simplify.bound),
+                       simplify.bound_met ? "" : " NOT MET");
+}
+
+std::string pages_text(const std::vector<PageSize>& pages) {
+    if (pages.size() != 1) return counted(pages.size(), "page");
+    return fmt::format("1 page of {} x {}", pages[0].width, pages[0].height);
+}
+
+std::string texture_line(const RunReport& r) {
+    const TextureReport& texture = r.convert.texture;
+    const AtlasReport& atlas = r.convert.atlas;
+    std::string line = fmt::format("{} on {}, {:.1f} % filled; texture error {:.3g} RMS, {}",
+                                   counted(static_cast<std::uint64_t>(atlas.num_texels), "texel"),
+                                   pages_text(atlas.pages), 100.0 * atlas.fill, texture.error_rms,
+                                   bound_text(texture.bound));
+    if (const Index capped = texture.capped.total(); capped > 0)
+        line += fmt::format(", {} capped", counted(capped, "triangle"));
+    return line;
+}
+
+std::string file_line(const RunReport& r) {
+    return fmt::format("{}, {} in {:.1f} s, peak memory {}",
+                       r.output.empty() ? "work directory written" : "wrote " + r.output,
+                       bytes_text(r.write.num_bytes), r.seconds, bytes_text(r.peak_bytes));
+}
+
+std::string bound_plan(const std::optional<Length>& error, double diagonal) {
+    const Length length = error.value_or(kDefaultGeometryError);
+    return fmt::format("no point farther than {:.4g}", length.in_units(diagonal));
+}
+
+std::string simplify_plan(const SimplifyOptions& options, double diagonal) {
+    if (options.keep_mesh) return "kept as it is";
+    const bool has_bound = options.geometry_error || options.triangles == 0;
+    std::string text = has_bound ? bound_plan(options.geometry_error, diagonal) : "";
+    if (options.triangles == 0) return text;
+    return fmt::format("{}{}at most {}", text, has_bound ? ", " : "",
+                       counted(options.triangles, "triangle"));
+}
+
+std::string texture_plan(const TextureOptions& options) {
+    const bool has_bound = options.texture_error || options.texels == 0;
+    std::string text = has_bound ? fmt::format("error at most {:.3g} steps",
+                                               options.texture_error.value_or(kDefaultTextureError))
+                                 : "";
+    if (options.texels == 0) return text;
+    return fmt::format("{}{}at most {}", text, has_bound ? ", " : "",
+                       counted(options.texels, "texel"));
+}
+
+std::string surface_plan(const Job& job, const ConvertInput& input) {
+    if (input.mesh)
+        return fmt::format("taken from {}, {}", job.mesh.mesh.string(),
+                           counted(input.mesh->mesh.triangles.size(), "triangle"));
+    const ReconstructOptions& options = job.convert.reconstruct;
+    std::string text =
+        fmt::format("{}, method {}", to_word(options.surface), to_word(options.method));
+    if (input.file_mesh)
+        text += fmt::format("; the file has {}, used with --surface given",
+                            counted(input.file_mesh->triangles.size(), "face"));
+    return text;
+}
+
+std::string vector_text(Vec3d v) { return fmt::format("{:.7g} x {:.7g} x {:.7g}", v.x, v.y, v.z); }
+
+void append_defects(std::vector<std::string>& lines, const LoadReport& load) {
+    const auto append = [&](std::uint64_t count, std::string_view noun, std::string_view what) {
+        if (count > 0)
+            lines.push_back(fmt::format("{:<13} {}{}", "defect", counted(count, noun), what));
+    };
+    append(load.num_non_finite, "row", " with NaN or infinite coordinates: dropped");
+    append(load.num_merged, "row", " with the coordinates of another: merged");
+    append(load.num_zero_normals, "normal", " of length zero: estimated");
+    append(load.num_bad_faces, "face", " with bad or equal corners: dropped");
+}
+
+}  // namespace
+
+std::vector<std::string> summary_lines(const RunReport& r) {
+    std::vector<std::string> lines;
+    if (r.last_stage >= Stage::kSimplify) lines.push_back(geometry_line(r));
+    if (r.last_stage >= Stage::kTexture && r.convert.atlas.num_texels > 0)
+        lines.push_back(texture_line(r));
+    if (!r.write.files.empty() || r.output.empty()) lines.push_back(file_line(r));
+    return lines;
+}
+
+std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input) {
+    Box box;
+    for (const Vec3d& p : input.cloud.positions) box.extend(p);
+    std::vector<std::string> lines;
+    const auto append = [&](std::string_view label, std::string_view text) {
+        lines.push_back(fmt::format("{:<13} {}", label, text));
+    };
+    append("points", fmt::format("{}, {} across", grouped(input.cloud.size()),
+                                 fmt::format("{:.6g}", box.diagonal())));
+    append("surface", surface_plan(job, input));
+    append("simplify", simplify_plan(job.convert.simplify, box.diagonal()));
+    append("colours", input.cloud.colors.empty() ? "none in the file" : "in the file");
+    append("texture", texture_plan(job.convert.texture));
+    append("stop after", to_word(job.stop.stop_after));
+    append("output", job.output.empty() ? job.files.work_dir.string() : job.output.string());
+    append("memory", "up to " + bytes_text(predicted_memory(input.cloud.size())));
+    return lines;
+}
+
+std::vector<std::string> info_lines(const LoadReport& load, const CloudSummary& cloud,
+                                    std::uint64_t num_faces) {
+    std::vector<std::string> lines;
+    const auto append = [&](std::string_view label, std::string_view text) {
+        lines.push_back(fmt::format("{:<13} {}", label, text));
+    };
+    append("format", load.format);
+    append("rows", grouped(load.num_rows));
+    append("points", grouped(load.num_kept));
+    if (num_faces > 0) append("faces", grouped(num_faces));
+    append("extent", fmt::format("{}, diagonal {:.7g}", vector_text(cloud.box.extent()),
+                                 cloud.box.diagonal()));
+    append("origin", fmt::format("{:.10g} {:.10g} {:.10g} (lowest corner)", cloud.box.low.x,
+                                 cloud.box.low.y, cloud.box.low.z));
+    append("spacing", fmt::format("median {:.4g}, 5 % below {:.4g}, 5 % above {:.4g}",
+                                  cloud.spacing.median, cloud.spacing.p05, cloud.spacing.p95));
+    for (const AttributeRange& range : cloud.attributes)
+        append(range.name,
+               fmt::format("{:.6g} to {:.6g}{}{}{}", range.low, range.high,
+                           range.unit.empty() ? "" : " ", range.unit,
+                           range.num_known == cloud.num_points
+                               ? ""
+                               : fmt::format(", known for {}", counted(range.num_known, "point"))));
+    append_defects(lines, load);
+    for (const std::string& note : load.notes) append("note", note);
+    return lines;
+}
+
+}  // namespace pointbake::cli

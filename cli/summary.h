@@ -1,0 +1,21 @@
+// The few lines that people read: what came out, what would be done, what is in a file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "conversion.h"
+
+namespace pointbake::cli {
+
+/// What a conversion did: geometry, texture, file.
+std::vector<std::string> summary_lines(const RunReport& report);
+
+/// What convert would do with these points, in words.
+std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input);
+
+/// What is in a file.
+std::vector<std::string> info_lines(const LoadReport& load, const CloudSummary& cloud,
+                                    std::uint64_t num_faces);
+
+}  // namespace pointbake::cli

@@ -1,0 +1,35 @@
+// The surface triangles around each point of the cloud.
+#pragma once
+
+#include <vector>
+
+#include "attributes/symmetric_eigen.h"
+#include "core/adjacency.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+/// What the triangles around a point say about it.
+struct Ring {
+    double area = 0.0;  ///< a third of the triangles' areas
+    Vec3d outward;      ///< sum of the triangles' normals, weighted by area; zero = no triangle
+    SymmetricMatrix moments;  ///< sum of q q^T over the triangles' other corners q, relative to p
+};
+
+/// Several vertices may lie over one point: their triangles count together.
+class SurfaceRings {
+ public:
+    /// Keeps a view of the surface. Throws Error{kInvalidInput} if vertex_points is not one point
+    /// per vertex.
+    SurfaceRings(const DenseMesh& surface, std::size_t num_points);
+
+    Ring of(Index point) const;
+
+ private:
+    const Mesh& mesh_;
+    std::vector<Triangle> mapped_;         ///< triangles over points, where vertices are not points
+    std::span<const Triangle> triangles_;  ///< triangles over points
+    VertexTriangles around_;
+};
+
+}  // namespace pointbake

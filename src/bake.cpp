@@ -1,0 +1,107 @@
+#include "bake.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/message.h"
+#include "core/parallel.h"
+
+namespace pointbake {
+namespace {
+
+constexpr double kDefaultTextureError = 4.0;  // 8-bit sRGB steps
+constexpr int kFitSteps = 8;                  // packings tried to fill the budget's pages
+
+struct Fitted {
+    TexturePlan plan;
+    std::vector<PageSize> pages;
+    std::vector<Placement> placements;
+};
+
+std::int64_t num_texels(std::span<const PageSize> pages) {
+    std::int64_t sum = 0;
+    for (const PageSize& p : pages) sum += std::int64_t{p.width} * p.height;
+    return sum;
+}
+
+// The largest plan that fits the pages which the budget buys.
+Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions& options,
+                  const Context& context) {
+    const auto budget = static_cast<std::int64_t>(options.texture.texels);
+    const std::vector<PageSize> pages = budget_pages(budget, options.atlas);
+    const std::int64_t area = num_texels(pages);
+
+    // If all patches are as large as they may be, the pages shrink to what they need.
+    TexturePlan whole = baker.plan(bound, area);
+    if (whole.all_at_cap) {
+        Packing packing = pack(whole.shapes, options.atlas, context);
+        if (packing.num_texels <= budget)
+            return {std::move(whole), packing.pages, packing.placements};
+    }
+    std::optional<Fitted> best;
+    double low = 0.0, high = static_cast<double>(std::min(area, whole.num_needed)),
+           next = 0.93 * high;
+    for (int step = 0; step < kFitSteps || !best; ++step) {
+        check_cancelled(context);
+        TexturePlan plan = baker.plan(bound, static_cast<std::int64_t>(next));
+        std::optional<Packing> packing = pack_into(plan.shapes, pages, options.atlas, context);
+        if (packing) {
+            low = next;
+            best = Fitted{std::move(plan), pages, std::move(packing->placements)};
+        } else {
+            if (plan.num_needed > static_cast<std::int64_t>(next) && !best) {
+                fail(ErrorCode::kLimit,
+                     "--texels {}: the smallest patches of {} triangles do not fit", budget,
+                     plan.levels.size());
+            }
+            high = next;
+        }
+        if (high - low < 0.002 * high) break;
+        // Fills differ little between neighbouring sizes: look close to the last success first.
+        next = best ? std::min(0.5 * (low + high), low * (step < 2 ? 1.02 : 1.2)) : 0.95 * high;
+    }
+    return std::move(*best);
+}
+
+Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& options,
+           const Context& context) {
+    if (options.texture.texels > 0) return fit_budget(baker, bound, options, context);
+    TexturePlan plan = baker.plan(bound, std::numeric_limits<std::int64_t>::max());
+    Packing packing = pack(plan.shapes, options.atlas, context);
+    return {std::move(plan), std::move(packing.pages), std::move(packing.placements)};
+}
+
+}  // namespace
+
+BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
+                        const ConvertOptions& options, const Context& context) {
+    TextureOptions texture = options.texture;
+    texture.max_patch = std::min(texture.max_patch, options.atlas.page_size);
+    const double bound =
+        texture.texture_error.value_or(texture.texels > 0 ? HUGE_VAL : kDefaultTextureError);
+
+    const TextureBaker baker(mesh, cloud, owners, texture, context);
+    Fitted fitted = fit(baker, bound, options, context);
+    report_progress(context, "texture", 0.85);
+    BakedTexture baked = baker.bake(fitted.plan, fitted.pages, fitted.placements, context);
+    for (std::size_t i = 0; i < fitted.pages.size(); ++i) {
+        fill_unowned_in_place(baked.model.images[i], baked.owned[i], context);
+    }
+    report_progress(context, "texture", 1.0);
+
+    BakeResult out;
+    out.model = std::move(baked.model);
+    out.texture = baker.report(fitted.plan, bound);
+    out.texture.raw_rms = baked.raw_rms;
+    out.texture.raw_p99 = baked.raw_p99;
+    out.texture.num_uncovered_texels = baked.num_uncovered;
+    out.atlas.num_texels = num_texels(fitted.pages);
+    out.atlas.fill =
+        static_cast<double>(fitted.plan.num_needed) / static_cast<double>(out.atlas.num_texels);
+    out.atlas.payload = out.texture.payload_texels / static_cast<double>(out.atlas.num_texels);
+    out.atlas.pages = std::move(fitted.pages);
+    return out;
+}
+
+}  // namespace pointbake

@@ -1,0 +1,146 @@
+// The whole pipeline, stage after stage. Start reading here.
+#include "pointbake/convert.h"
+
+#include <chrono>
+
+#include "bake.h"
+#include "core/memory.h"
+#include "core/message.h"
+#include "core/parallel.h"
+
+namespace pointbake {
+namespace {
+
+// Times each stage and hands its value to the observer.
+class StageRunner {
+ public:
+    StageRunner(ConvertResult& result, const ConvertOptions& options, const StageObserver& observer,
+                const Context& context)
+        : result_(result), options_(options), observer_(observer), context_(context) {}
+
+    /// Runs one stage; false when the pipeline ends after it.
+    template <class Body>
+    bool run(Stage stage, Body&& body) {
+        const std::string_view name = to_word(stage);
+        report_progress(context_, name, 0.0);
+        const auto start = std::chrono::steady_clock::now();
+        body();
+        check_cancelled(context_);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        result_.report.times.push_back({stage, seconds.count(), peak_memory_bytes()});
+        report_progress(context_, name, 1.0);
+        log(context_, LogLevel::kInfo, "{}: {:.2f} s", name, seconds.count());
+        if (observer_) observer_(stage, result_);
+        return options_.stop_after != stage;
+    }
+
+ private:
+    ConvertResult& result_;
+    const ConvertOptions& options_;
+    const StageObserver& observer_;
+    const Context& context_;
+};
+
+void warn(ConvertResult& result, const Context& context, std::string message) {
+    log(context, LogLevel::kWarning, "{}", message);
+    result.report.warnings.push_back(std::move(message));
+}
+
+// Colour from a channel called intensity where there is none of its own, on the range that it
+// spans.
+bool intensity_to_color(PointCloud& cloud) {
+    for (const Channel& channel : cloud.channels) {
+        if (channel.kind != ChannelKind::kScalar || channel.num_components != 1) continue;
+        if (channel.name.find("ntensity") == std::string::npos) continue;
+        const auto [low, high] = std::minmax_element(channel.data.begin(), channel.data.end());
+        const float range = *high - *low;
+        if (!(range > 0.0F)) continue;
+        cloud.colors.resize(cloud.size());
+        for (std::size_t i = 0; i < cloud.size(); ++i) {
+            const auto v = static_cast<std::uint16_t>((channel.data[i] - *low) / range * 65535.0F);
+            cloud.colors[i] = {v, v, v};
+        }
+        return true;
+    }
+    return false;
+}
+
+void settle_colors(ConvertResult& result, const Context& context) {
+    if (!result.cloud.colors.empty()) return;
+    if (intensity_to_color(result.cloud)) {
+        warn(result, context, "the points carry no colours: their intensity is shown as grey");
+    } else {
+        warn(result, context, "the points carry no colours: a normal map is baked instead");
+    }
+}
+
+// The mesh that comes from a file instead of from reconstruction.
+ReconstructResult given_mesh(ConvertInput& input) {
+    ReconstructResult out;
+    out.report.surface = Surface::kGiven;
+    if (input.mesh) {
+        out.surface.mesh = std::move(input.mesh->mesh);
+        out.report.reason = "mesh given with --mesh";
+    } else {
+        if (!input.file_mesh) {
+            fail(ErrorCode::kInvalidOption,
+                 "--surface given: the input holds points only, no faces");
+        }
+        out.surface.mesh = std::move(*input.file_mesh);
+        out.surface.vertex_points.resize(out.surface.mesh.positions.size());
+        for (Index v = 0; v < out.surface.vertex_points.size(); ++v)
+            out.surface.vertex_points[v] = v;
+        out.report.reason = "faces of the input file";
+    }
+    out.report.num_vertices = static_cast<Index>(out.surface.mesh.positions.size());
+    out.report.num_triangles = static_cast<Index>(out.surface.mesh.triangles.size());
+    return out;
+}
+
+}  // namespace
+
+ConvertResult convert(ConvertInput input, const ConvertOptions& options,
+                      const StageObserver& observer, const Context& context) {
+    ConvertResult result;
+    StageRunner stages(result, options, observer, context);
+
+    if (!stages.run(Stage::kAttributes, [&] {
+            AttributesResult attributes =
+                estimate_attributes(std::move(input.cloud), options.attributes, context);
+            result.cloud = std::move(attributes.cloud);
+            result.report.attributes = attributes.report;
+        })) {
+        return result;
+    }
+    if (!stages.run(Stage::kReconstruct, [&] {
+            const bool given = input.mesh || options.reconstruct.surface == Surface::kGiven;
+            ReconstructResult surface =
+                given ? given_mesh(input) : reconstruct(result.cloud, options.reconstruct, context);
+            result.dense = std::move(surface.surface);
+            result.report.reconstruct = surface.report;
+            log(context, LogLevel::kInfo, "surface: {}", surface.report.reason);
+            AttributesResult refined = refine_attributes(std::move(result.cloud), result.dense,
+                                                         options.attributes, context);
+            result.cloud = std::move(refined.cloud);
+            result.report.attributes = refined.report;
+        })) {
+        return result;
+    }
+    if (!stages.run(Stage::kSimplify, [&] {
+            result.light = simplify(result.dense, result.cloud, options.simplify, context);
+            result.report.simplify = result.light.report;
+        })) {
+        return result;
+    }
+    stages.run(Stage::kTexture, [&] {
+        settle_colors(result, context);
+        BakeResult baked = bake_texture(result.light.mesh, result.cloud,
+                                        result.light.point_triangles, options, context);
+        result.model = std::move(baked.model);
+        result.report.texture = baked.texture;
+        result.report.atlas = std::move(baked.atlas);
+    });
+    return result;
+}
+
+}  // namespace pointbake

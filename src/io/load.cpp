@@ -1,0 +1,76 @@
+// Files are told apart by their first bytes: extensions lie.
+#include "pointbake/load.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "core/mapped_file.h"
+#include "core/message.h"
+#include "core/parallel.h"
+#include "io/ply_header.h"
+#include "io/read_gltf.h"
+#include "io/read_obj.h"
+#include "io/read_ply.h"
+
+namespace pointbake {
+namespace {
+
+/// What a file is that is not read, if its first bytes tell.
+std::string_view kind_of(std::string_view text) {
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kKinds{{
+        {"LASF", "a LAS or LAZ file"},
+        {"ASTM-E57", "an E57 file"},
+        {"# .PCD", "a PCD file"},
+        {"VERSION .7", "a PCD file"},
+        {"glTF", "a GLB mesh; a mesh can be given with --mesh, or sampled first"},
+        {"\x1f\x8b", "compressed with gzip"},
+        {"PK\x03\x04", "a zip archive"},
+        {"\xef\xbb\xbf", "text that begins with a UTF-8 byte order mark; save it without"},
+    }};
+    for (const auto& [magic, kind] : kKinds)
+        if (text.starts_with(magic)) return kind;
+    return "of an unknown kind (it does not begin with 'ply')";
+}
+
+std::string_view first_bytes(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 64)};
+}
+
+bool is_gltf(std::string_view text) {
+    if (text.starts_with("glTF")) return true;
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    return begin != std::string_view::npos && text[begin] == '{';
+}
+
+}  // namespace
+
+LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions&,
+                      const Context& context) {
+    check_cancelled(context);
+    report_progress(context, "load", 0.0);
+    const MappedFile file(path);
+    const std::span<const std::byte> bytes = file.bytes();
+    if (bytes.empty())
+        fail(ErrorCode::kInvalidInput, "{}: the file is empty; a PLY file is wanted",
+             path.string());
+    if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
+    fail(ErrorCode::kUnsupported, "{}: is {}; point clouds are read from PLY files", path.string(),
+         kind_of(first_bytes(bytes)));
+}
+
+TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context) {
+    check_cancelled(context);
+    const MappedFile file(path);
+    const std::span<const std::byte> bytes = file.bytes();
+    if (bytes.empty())
+        fail(ErrorCode::kInvalidInput, "{}: the file is empty; an OBJ, GLB, glTF or PLY is wanted",
+             path.string());
+    if (is_ply(bytes)) return read_ply_mesh(bytes, path, context);
+    if (is_gltf(first_bytes(bytes))) return read_gltf(bytes, path, context);
+    if (is_obj(bytes)) return read_obj(bytes, path, context);
+    fail(ErrorCode::kUnsupported, "{}: neither OBJ, GLB, glTF nor PLY, which are the meshes read",
+         path.string());
+}
+
+}  // namespace pointbake

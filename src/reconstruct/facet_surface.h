@@ -1,0 +1,34 @@
+// A surface made of Delaunay facets, and its way to an indexed mesh.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "reconstruct/tetrahedra.h"
+
+namespace pointbake {
+
+/// Half facets seen from the inner side, with the neighbour across each edge (corner k to k + 1), as
+/// 3 * facet + edge, kInvalidIndex = border. Across a shared edge the two run in opposite directions.
+struct FacetSurface {
+    std::vector<HalfFacet> facets;
+    std::vector<std::array<Index, 3>> mates;
+};
+
+struct IndexedSurface {
+    std::vector<Index> vertex_points;  ///< real point under each vertex, ascending
+    std::vector<Triangle> triangles;
+    Index num_split_vertices = 0;  ///< copies made of points with more than one fan
+};
+
+/// The boundary of the inside cells: closed and oriented outwards. `inside` is changed where an edge
+/// would carry more than two facets, if a small change of labels cures it; where none does, facets
+/// that bound the same inner wedge are mates.
+FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& inside,
+                         const Context& context);
+
+/// One vertex per fan of facets: 2-manifold. Where the mates leave an edge of the index mesh with
+/// more than two triangles, they are paired anew, or facets are left out if the surface is open.
+IndexedSurface split_fans(const Tetrahedra& tets, FacetSurface surface, const Context& context);
+
+}  // namespace pointbake

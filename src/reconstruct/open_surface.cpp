@@ -1,0 +1,169 @@
+// Based on [Amenta02]: pruning and manifold extraction by walking on one side of the candidate
+// facets. Departure: pruning asks per point whether a closed umbrella is left, in rounds over a
+// frozen copy, so that no order matters.
+#include "reconstruct/open_surface.h"
+
+#include <algorithm>
+#include <deque>
+#include <numeric>
+
+#include "core/parallel.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::size_t kGrain = 1U << 11;
+constexpr std::size_t kPollInterval = 1U << 16;
+
+enum State : std::uint8_t { kNone = 0, kCandidate = 1, kKept = 2 };
+
+class Walker {
+ public:
+    Walker(const Tetrahedra& tets, const Cocone& cocone, const Context& context)
+        : tets_(tets), context_(context), state_(tets.cells.size() * 4, kNone) {
+        for (std::size_t f = 0; f < state_.size(); ++f)
+            if ((cocone.facets[f] & kSurfaceFacet) != 0) state_[f] = kCandidate;
+    }
+
+    FacetSurface run() {
+        prune();
+        number_.assign(state_.size(), kInvalidIndex);
+        // Pieces start at cells with room around them: inside a sliver all sides are candidates.
+        for (int max_candidates = 1; max_candidates <= 4; ++max_candidates)
+            for (HalfFacet f = 0; f < state_.size(); ++f)
+                if (state_[f] == kCandidate && num_candidates(f / 4) <= max_candidates) walk_from(f);
+        return std::move(surface_);
+    }
+
+ private:
+    struct Spoke {
+        Index from, to;
+        HalfFacet facet;
+        bool alive;
+    };
+
+    int num_candidates(Index cell) const {
+        int n = 0;
+        for (Index i = 0; i < 4; ++i) n += state_[cell * 4 + i] != kNone ? 1 : 0;
+        return n;
+    }
+
+    // Marks the facets that hang over at v: those that are left over when facets with a free edge at
+    // v are taken away one after the other, and a closed umbrella remains.
+    void find_hanging(Index v, std::vector<Spoke>& spokes, std::vector<HalfFacet>& hanging) const {
+        spokes.clear();
+        for (Index c : tets_.star(v)) {
+            for (Index i = 0; i < 4; ++i) {
+                const HalfFacet f = c * 4 + i;
+                if (tets_.cells[c][i] == v || state_[f] == kNone || tets_.neighbors[c][i] < c)
+                    continue;
+                const Triangle t = tets_.triangle(f);
+                const std::size_t k = t[0] == v ? 0 : (t[1] == v ? 1 : 2);
+                spokes.push_back({t[(k + 1) % 3], t[(k + 2) % 3], f, true});
+            }
+        }
+        std::size_t num_alive = spokes.size();
+        for (bool changed = true; changed;) {
+            changed = false;
+            for (Spoke& s : spokes) {
+                if (!s.alive || (has_other(spokes, s, s.from) && has_other(spokes, s, s.to))) continue;
+                s.alive = false, --num_alive;
+                changed = true;
+            }
+        }
+        if (num_alive == 0) return;
+        for (const Spoke& s : spokes)
+            if (!s.alive) hanging.push_back(s.facet);
+    }
+
+    static bool has_other(const std::vector<Spoke>& spokes, const Spoke& own, Index end) {
+        return std::any_of(spokes.begin(), spokes.end(), [&](const Spoke& s) {
+            return s.alive && s.facet != own.facet && (s.from == end || s.to == end);
+        });
+    }
+
+    // Only points at a facet that went can have new hanging ones.
+    void prune() {
+        std::vector<Index> todo(tets_.num_real());
+        std::iota(todo.begin(), todo.end(), Index{0});
+        while (!todo.empty()) {
+            std::vector<std::vector<HalfFacet>> parts((todo.size() + kGrain - 1) / kGrain);
+            parallel_for(context_, todo.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+                std::vector<Spoke> spokes;
+                for (std::size_t k = begin; k < end; ++k)
+                    find_hanging(todo[k], spokes, parts[begin / kGrain]);
+            });
+            todo.clear();
+            for (const auto& part : parts) {
+                for (HalfFacet f : part) {
+                    set_state(f, kNone);
+                    for (Index v : tets_.triangle(f)) todo.push_back(v);
+                }
+            }
+            std::sort(todo.begin(), todo.end());
+            todo.erase(std::unique(todo.begin(), todo.end()), todo.end());
+        }
+    }
+
+    void set_state(HalfFacet f, State state) { state_[f] = state_[tets_.mirror(f)] = state; }
+
+    Index keep(HalfFacet f) {
+        set_state(f, kKept);
+        number_[f] = static_cast<Index>(surface_.facets.size());
+        surface_.facets.push_back(f);
+        surface_.mates.push_back({kInvalidIndex, kInvalidIndex, kInvalidIndex});
+        queue_.push_back(number_[f]);
+        return number_[f];
+    }
+
+    void walk_from(HalfFacet start) {
+        keep(start);
+        for (std::size_t n = 0; !queue_.empty(); ++n) {
+            if (n % kPollInterval == 0) check_cancelled(context_);
+            const Index t = queue_.front();
+            queue_.pop_front();
+            for (Index k = 0; k < 3; ++k)
+                if (surface_.mates[t][k] == kInvalidIndex) cross_edge(t, k);
+        }
+    }
+
+    // The first facet on the walker's side becomes the neighbour; candidates behind it go.
+    void cross_edge(Index t, Index k) {
+        const HalfFacet own = surface_.facets[t];
+        Turn turn = first_turn(tets_, own, k);
+        const HalfFacet back = tets_.mirror(own);
+        HalfFacet found = kInvalidIndex;
+        for (;; turn = next_turn(tets_, turn)) {
+            const HalfFacet f = turn.cell * 4 + static_cast<Index>(turn.exit);
+            if (f == back) break;
+            if (state_[f] == kNone) continue;
+            if (found == kInvalidIndex) found = f;
+            else if (state_[f] == kCandidate) set_state(f, kNone);
+        }
+        if (found == kInvalidIndex) return;
+        if (state_[found] == kCandidate) keep(found);
+        const Index other = number_[found];
+        if (other == kInvalidIndex) return;  // kept from its other side: the orientations disagree
+        const Index a = tets_.triangle(own)[(k + 1) % 3];
+        const Triangle theirs = tets_.triangle(found);
+        const Index start = theirs[0] == a ? 0 : (theirs[1] == a ? 1 : 2);
+        if (surface_.mates[other][start] != kInvalidIndex) return;
+        surface_.mates[t][k] = other * 3 + start;
+        surface_.mates[other][start] = t * 3 + k;
+    }
+
+    const Tetrahedra& tets_;
+    const Context& context_;
+    std::vector<std::uint8_t> state_;
+    std::vector<Index> number_;
+    std::deque<Index> queue_;
+    FacetSurface surface_;
+};
+
+}  // namespace
+
+FacetSurface extract_open(const Tetrahedra& tets, const Cocone& cocone, const Context& context) {
+    return Walker(tets, cocone, context).run();
+}
+
+}  // namespace pointbake

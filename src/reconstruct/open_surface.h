@@ -1,0 +1,14 @@
+// From Cocone's facets to an oriented surface with borders.
+#pragma once
+
+#include "reconstruct/cocone.h"
+#include "reconstruct/facet_surface.h"
+
+namespace pointbake {
+
+/// Facets that hang over at points with a whole umbrella are pruned, then the surface is walked: at
+/// each edge the first facet on the walker's side is the neighbour and the others go. Slivers are so
+/// resolved to one side. At most two mates per edge.
+FacetSurface extract_open(const Tetrahedra& tets, const Cocone& cocone, const Context& context);
+
+}  // namespace pointbake

@@ -1,0 +1,213 @@
+// The stage: one triangulation, one run of Cocone, then the surface it gives with borders or the one
+// that Tight Cocone closes. `auto` looks at both.
+#include "pointbake/reconstruct.h"
+
+#include <algorithm>
+
+#include "core/adjacency.h"
+#include "core/message.h"
+#include "core/parallel.h"
+#include "reconstruct/cocone.h"
+#include "reconstruct/facet_surface.h"
+#include "reconstruct/flat.h"
+#include "reconstruct/open_surface.h"
+#include "reconstruct/tetrahedra.h"
+#include "reconstruct/tight_cocone.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::string_view kStage = "reconstruct";
+// auto: a surface is closed if Tight Cocone had to add at most this share of its area ...
+constexpr double kMaxAdded = 0.15;
+// ... and left out at most this share of what Cocone found (double walls, hidden sheets).
+constexpr double kMaxLost = 0.05;
+
+void validate(const ReconstructOptions& options) {
+    if (options.surface == Surface::kGiven)
+        fail(ErrorCode::kInvalidOption,
+             "surface 'given' takes the faces of the file: there is nothing to reconstruct; use "
+             "auto, open or watertight");
+    if ((options.surface == Surface::kOpen && options.method == Method::kTightCocone) ||
+        (options.surface == Surface::kWatertight && options.method == Method::kCocone))
+        fail(ErrorCode::kInvalidOption,
+             "method '{}' does not make a surface that is '{}': cocone is for open surfaces, "
+             "tight-cocone for watertight ones",
+             to_word(options.method), to_word(options.surface));
+}
+
+Surface wanted_surface(const ReconstructOptions& options) {
+    if (options.method == Method::kCocone) return Surface::kOpen;
+    if (options.method == Method::kTightCocone) return Surface::kWatertight;
+    return options.surface;
+}
+
+void check_positions(const PointCloud& cloud) {
+    if (cloud.size() >= kInvalidIndex - 1)
+        fail(ErrorCode::kLimit, "{} points: at most {} can be reconstructed at once", cloud.size(),
+             kInvalidIndex - 2);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+        if (!is_finite(cloud.positions[i]))
+            fail(ErrorCode::kInvalidInput, "point {} has a coordinate that is not finite", i);
+}
+
+double area_of(const Tetrahedra& tets, const std::vector<HalfFacet>& facets,
+               const std::vector<std::uint8_t>& marked, bool value) {
+    double area = 0.0;
+    for (HalfFacet f : facets)
+        if ((marked[f] != 0) == value) area += 0.5 * length(tets.area_vector(f));
+    return area;
+}
+
+std::vector<std::uint8_t> mark(const Tetrahedra& tets, const std::vector<HalfFacet>& facets) {
+    std::vector<std::uint8_t> marked(tets.cells.size() * 4, 0);
+    for (HalfFacet f : facets) marked[f] = marked[tets.mirror(f)] = 1;
+    return marked;
+}
+
+// How the closed surface differs from the one that Cocone found.
+struct Difference {
+    double added = 0.0, lost = 0.0;  // shares of the closed surface's and of the open one's area
+};
+
+Difference compare(const Tetrahedra& tets, const FacetSurface& open, const FacetSurface& closed) {
+    Difference d;
+    const auto in_open = mark(tets, open.facets), in_closed = mark(tets, closed.facets);
+    const double added = area_of(tets, closed.facets, in_open, false);
+    const double common = area_of(tets, closed.facets, in_open, true);
+    const double lost = area_of(tets, open.facets, in_closed, false);
+    d.added = added + common > 0 ? added / (added + common) : 1.0;
+    d.lost = lost + common > 0 ? lost / (lost + common) : 1.0;
+    return d;
+}
+
+class Stage {
+ public:
+    Stage(const PointCloud& cloud, Surface wanted, const Context& context)
+        : cloud_(cloud), context_(context), wanted_(wanted), is_flat_(false) {}
+
+    ReconstructResult run() {
+        report_progress(context_, kStage, 0.0);
+        const FlatFrame frame = find_plane(cloud_.positions);
+        is_flat_ = frame.is_flat;
+        if (is_flat_ && wanted_ == Surface::kWatertight)
+            fail(ErrorCode::kDegenerate,
+                 "the points lie in a plane, which no watertight surface can have; use --surface "
+                 "open");
+        tets_ = tetrahedralize(is_flat_ ? project(cloud_.positions, frame) : cloud_.positions,
+                               context_);
+        report_progress(context_, kStage, 0.5);
+        const Cocone cocone = find_cocone(tets_, context_);
+        report_.num_flat = cocone.num_flat;
+        report_progress(context_, kStage, 0.7);
+        FacetSurface surface = extract_open(tets_, cocone, context_);
+        report_progress(context_, kStage, 0.8);
+        choose(cocone, surface);
+        report_progress(context_, kStage, 0.9);
+        return finish(std::move(surface));
+    }
+
+ private:
+    // Replaces the open surface by the closed one where that is wanted.
+    void choose(const Cocone& cocone, FacetSurface& surface) {
+        report_.surface = Surface::kOpen;
+        report_.method = Method::kCocone;
+        if (is_flat_) {
+            report_.reason = "open: the points lie in a plane";
+            return;
+        }
+        if (wanted_ == Surface::kOpen) {
+            report_.reason = "open: asked for";
+            return;
+        }
+        InsideLabels labels = label_cells(tets_, cocone, surface, context_);
+        FacetSurface closed = boundary_of(tets_, labels.inside, context_);
+        const Difference d = compare(tets_, surface, closed);
+        report_.num_poor = labels.num_poor;
+        report_.num_conflicts = labels.num_conflicts;
+        report_.added_area_fraction = d.added;
+        const bool is_closed = !closed.facets.empty() && d.added <= kMaxAdded && d.lost <= kMaxLost;
+        const bool close = wanted_ == Surface::kWatertight || is_closed;
+        report_.reason = fmt::format(
+            "{}: closing adds {:.2f} % of the area (at most {:.0f} % for a closed surface) and loses "
+            "{:.2f} % of what was found (at most {:.0f} %); {} of {} points are poor",
+            close ? "watertight" : "open", 100 * d.added, 100 * kMaxAdded, 100 * d.lost,
+            100 * kMaxLost, labels.num_poor, tets_.num_real());
+        if (!close) return;
+        if (closed.facets.empty())
+            fail(ErrorCode::kDegenerate,
+                 "the points enclose nothing: no watertight surface; use --surface open");
+        report_.surface = Surface::kWatertight;
+        report_.method = Method::kTightCocone;
+        surface = std::move(closed);
+    }
+
+    ReconstructResult finish(FacetSurface surface) {
+        if (surface.facets.empty())
+            fail(ErrorCode::kDegenerate,
+                 "no surface found through the {} points: they are too sparse or too noisy",
+                 tets_.num_real());
+        IndexedSurface indexed = split_fans(tets_, std::move(surface), context_);
+        report_.num_split_vertices = indexed.num_split_vertices;
+        ReconstructResult result;
+        Mesh& mesh = result.surface.mesh;
+        order_vertices(indexed);
+        for (Index v : indexed.vertex_points) {
+            mesh.positions.push_back(cloud_.positions[v]);
+            result.surface.vertex_points.push_back(v);
+        }
+        mesh.triangles = std::move(indexed.triangles);
+        const Topology t = topology(mesh.positions.size(), mesh.triangles);
+        report_.num_vertices = t.num_vertices;
+        report_.num_triangles = t.num_triangles;
+        report_.num_components = t.num_components;
+        report_.num_boundary_loops = t.num_boundary_loops;
+        report_.num_unused = static_cast<Index>(cloud_.size()) +
+                             report_.num_split_vertices - t.num_vertices;
+        result.report = std::move(report_);
+        log(context_, LogLevel::kInfo, "reconstruct: {}; {} triangles, {} components, {} borders",
+            result.report.reason, t.num_triangles, t.num_components, t.num_boundary_loops);
+        report_progress(context_, kStage, 1.0);
+        return result;
+    }
+
+    // Vertices in the cloud's order, triangles by vertices with the smallest one first.
+    void order_vertices(IndexedSurface& surface) const {
+        const std::size_t n = surface.vertex_points.size();
+        std::vector<Index> order(n), rank(n);
+        for (Index v = 0; v < n; ++v) order[v] = v;
+        for (Index& v : surface.vertex_points) v = tets_.point_ids[v];
+        std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+            return surface.vertex_points[a] < surface.vertex_points[b];
+        });
+        std::vector<Index> points(n);
+        for (Index k = 0; k < n; ++k) {
+            rank[order[k]] = k;
+            points[k] = surface.vertex_points[order[k]];
+        }
+        surface.vertex_points = std::move(points);
+        for (Triangle& t : surface.triangles) {
+            for (Index& v : t) v = rank[v];
+            std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+        }
+        std::sort(surface.triangles.begin(), surface.triangles.end());
+    }
+
+    const PointCloud& cloud_;
+    const Context& context_;
+    Surface wanted_;
+    bool is_flat_;
+    Tetrahedra tets_;
+    ReconstructReport report_;
+};
+
+}  // namespace
+
+ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options,
+                              const Context& context) {
+    validate(options);
+    check_positions(cloud);
+    return Stage(cloud, wanted_surface(options), context).run();
+}
+
+}  // namespace pointbake

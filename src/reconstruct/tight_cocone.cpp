@@ -1,0 +1,293 @@
+// Based on [Dey03]: points with a whole umbrella split the cells around them in two sides, marked
+// from the convex hull; what they leave open is peeled from outside. Departures: both sides vote, and
+// a cell goes by the majority; pieces too small to be anything but a slip are dropped.
+#include "reconstruct/tight_cocone.h"
+
+#include <algorithm>
+#include <deque>
+
+#include "core/adjacency.h"
+#include "core/parallel.h"
+
+namespace pointbake {
+namespace {
+
+constexpr double kFoldedCos = -0.9;  // facets folded onto each other at an edge
+constexpr std::size_t kGrain = 1U << 11;
+constexpr std::size_t kPollInterval = 1U << 16;
+
+class Labeller {
+ public:
+    Labeller(const Tetrahedra& tets, const Cocone& cocone, const FacetSurface& surface,
+             const Context& context)
+        : tets_(tets), cocone_(cocone), surface_(surface), context_(context), wall_(tets.cells.size() * 4, 0) {
+        for (HalfFacet f : surface.facets) wall_[f] = wall_[tets.mirror(f)] = 1;
+    }
+
+    InsideLabels run() {
+        find_good();
+        split_stars();
+        find_patches();
+        orient_patches();
+        peel();
+        return finish();
+    }
+
+ private:
+    // Which way round the two sides of a patch are.
+    enum Orientation : std::int8_t { kUnknown = 0, kFirstIsOut = 1, kFirstIsIn = -1 };
+
+    // The surface facets at v: the edge opposite v, and the facet.
+    struct Spoke {
+        Index from, to;
+        HalfFacet facet;
+    };
+
+    void spokes_at(Index v, std::vector<Spoke>& spokes) const {
+        spokes.clear();
+        for (Index c : tets_.star(v)) {
+            for (Index i = 0; i < 4; ++i) {
+                const HalfFacet facet = c * 4 + i;
+                if (tets_.cells[c][i] == v || wall_[facet] == 0) continue;
+                if (tets_.neighbors[c][i] < c) continue;
+                const Triangle t = tets_.triangle(facet);
+                const std::size_t k = t[0] == v ? 0 : (t[1] == v ? 1 : 2);
+                spokes.push_back({t[(k + 1) % 3], t[(k + 2) % 3], facet});
+            }
+        }
+    }
+
+    // One closed disc: the edges opposite v form a single cycle.
+    bool is_disc(Index v, std::vector<Spoke>& spokes) const {
+        spokes_at(v, spokes);
+        if (spokes.size() < 3) return false;
+        Index at = spokes[0].to;
+        std::size_t last = 0;
+        for (std::size_t length = 1; length <= spokes.size(); ++length) {
+            std::size_t next = spokes.size(), num_next = 0;
+            for (std::size_t k = 0; k < spokes.size(); ++k) {
+                if (k == last || (spokes[k].from != at && spokes[k].to != at)) continue;
+                next = k, ++num_next;
+            }
+            if (num_next != 1 || is_folded(v, at, spokes[last].facet, spokes[next].facet))
+                return false;
+            if (next == 0) return length == spokes.size();
+            at = spokes[next].from == at ? spokes[next].to : spokes[next].from;
+            last = next;
+        }
+        return false;
+    }
+
+    // Two facets at the edge (v, w) that nearly lie on each other, or, where v is not flat, that form
+    // a sharp fold.
+    bool is_folded(Index v, Index w, HalfFacet f, HalfFacet g) const {
+        const Vec3d axis = tets_.points[w] - tets_.points[v];
+        const auto normal = [&](HalfFacet facet) {
+            const Triangle t = tets_.triangle(facet);
+            const Index third = t[0] != v && t[0] != w ? t[0] : (t[1] != v && t[1] != w ? t[1] : t[2]);
+            return cross(axis, tets_.points[third] - tets_.points[v]);
+        };
+        // The two third vertices lie on opposite sides of the edge: opposite normals are flat.
+        const Vec3d a = normal(f), b = -normal(g);
+        const double c = dot(a, b), scale = std::sqrt(squared_length(a) * squared_length(b));
+        return c <= kFoldedCos * scale || (c < 0 && cocone_.flat[v] == 0);
+    }
+
+    void find_good() {
+        good_.assign(tets_.num_real(), 0);
+        parallel_for(context_, tets_.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
+            std::vector<Spoke> spokes;
+            for (Index v = static_cast<Index>(begin); v < end; ++v)
+                good_[v] = is_disc(v, spokes) ? 1 : 0;
+        });
+        num_poor_ = static_cast<Index>(std::count(good_.begin(), good_.end(), 0));
+    }
+
+    // Every good vertex's disc parts the cells around it: +1 where the first cell of its star lies,
+    // -1 beyond.
+    void split_stars() {
+        sides_.assign(tets_.cells.size() * 4, 0);
+        parallel_for(context_, tets_.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
+            std::vector<Index> stack;
+            for (Index v = static_cast<Index>(begin); v < end; ++v)
+                if (good_[v] != 0) split_star(v, stack);
+        });
+    }
+
+    std::int8_t& side(Index cell, Index vertex) { return sides_[cell * 4 + tets_.slot(cell, vertex)]; }
+
+    void split_star(Index v, std::vector<Index>& stack) {
+        const auto star = tets_.star(v);
+        for (Index c : star) side(c, v) = -1;
+        stack.assign(1, star[0]);
+        side(star[0], v) = 1;
+        while (!stack.empty()) {
+            const Index c = stack.back();
+            stack.pop_back();
+            for (Index i = 0; i < 4; ++i) {
+                if (tets_.cells[c][i] == v || wall_[c * 4 + i] != 0) continue;
+                const Index n = tets_.neighbors[c][i];
+                if (side(n, v) > 0) continue;
+                side(n, v) = 1;
+                stack.push_back(n);
+            }
+        }
+    }
+
+    // Good vertices joined by facets form patches, in each of which the sides agree after some are
+    // exchanged.
+    void find_patches() {
+        const auto triangles = surface_triangles();
+        const auto around = vertex_triangles(tets_.num_real(), triangles);
+        patch_of_.assign(tets_.num_real(), kInvalidIndex);
+        std::vector<Index> queue;
+        for (Index first = 0; first < tets_.num_real(); ++first) {
+            if (good_[first] == 0 || patch_of_[first] != kInvalidIndex) continue;
+            const auto patch = static_cast<Index>(patch_members_.size());
+            patch_of_[first] = patch;
+            queue.assign(1, first);
+            for (std::size_t head = 0; head < queue.size(); ++head) {
+                const Index v = queue[head];
+                for (Index t : around.of(v))
+                    for (Index u : triangles[t])
+                        if (good_[u] != 0 && patch_of_[u] == kInvalidIndex) {
+                            align(u, v, surface_.facets[t] / 4);
+                            patch_of_[u] = patch;
+                            queue.push_back(u);
+                        }
+            }
+            patch_members_.push_back(queue);
+        }
+    }
+
+    std::vector<Triangle> surface_triangles() const {
+        std::vector<Triangle> triangles(surface_.facets.size());
+        parallel_for(context_, triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t t = begin; t < end; ++t) triangles[t] = tets_.triangle(surface_.facets[t]);
+        });
+        return triangles;
+    }
+
+    // Exchanges u's sides if a cell at both is on different ones.
+    void align(Index u, Index v, Index cell) {
+        if (side(cell, u) == side(cell, v)) return;
+        for (Index c : tets_.star(u)) side(c, u) = static_cast<std::int8_t>(-side(c, u));
+    }
+
+    // The side that sees more of the far points is out.
+    void orient_patches() {
+        orientation_.assign(patch_members_.size(), kUnknown);
+        for (std::size_t p = 0; p < patch_members_.size(); ++p) {
+            std::int64_t sum = 0;
+            for (Index v : patch_members_[p])
+                for (Index c : tets_.star(v))
+                    if (tets_.has_far(c)) sum += side(c, v);
+            if (sum != 0) orientation_[p] = sum > 0 ? kFirstIsOut : kFirstIsIn;
+        }
+    }
+
+    // Votes of a cell's good vertices whose patch has a side: positive = out.
+    struct Votes {
+        int out = 0, in = 0;
+    };
+    Votes votes_of(Index cell) const {
+        Votes votes;
+        for (Index i = 0; i < 4; ++i) {
+            const std::int8_t s = sides_[cell * 4 + i];
+            if (s == 0) continue;
+            const int vote = s * orientation_[patch_of_[tets_.cells[cell][i]]];
+            votes.out += vote > 0 ? 1 : 0;
+            votes.in += vote < 0 ? 1 : 0;
+        }
+        return votes;
+    }
+
+    double circumradius2(HalfFacet facet) const {
+        const auto [i, j, k] = tets_.triangle(facet);
+        const Vec3d a = tets_.points[j] - tets_.points[i], b = tets_.points[k] - tets_.points[i];
+        const double n2 = squared_length(cross(a, b));
+        if (n2 <= 0) return HUGE_VAL;
+        return squared_length(a) * squared_length(b) * squared_length(b - a) / (4.0 * n2);
+    }
+
+    bool is_smallest(HalfFacet facet) const {
+        const double own = circumradius2(facet);
+        for (Index i = 0; i < 4; ++i)
+            if (i != facet % 4 && circumradius2(facet / 4 * 4 + i) < own) return false;
+        return true;
+    }
+
+    bool may_enter(HalfFacet entered) const {
+        const Index cell = entered / 4;
+        const Votes votes = votes_of(cell);
+        if (votes.out != votes.in) return votes.out > votes.in;
+        return !is_smallest(entered);
+    }
+
+    // Walks from outside through facets; a cell without a side is entered unless the facet is its
+    // smallest one.
+    void peel() {
+        outside_.assign(tets_.num_cells(), 0);
+        std::deque<Index> queue;
+        for (Index c = 0; c < tets_.num_cells(); ++c) {
+            if (!tets_.has_far(c)) continue;
+            outside_[c] = 1;
+            queue.push_back(c);
+        }
+        for (std::size_t n = 0; !queue.empty(); ++n) {
+            if (n % kPollInterval == 0) check_cancelled(context_);
+            const Index c = queue.front();
+            queue.pop_front();
+            for (Index i = 0; i < 4; ++i) {
+                const HalfFacet entered = tets_.mirror(c * 4 + i);
+                if (entered == kInvalidIndex || outside_[entered / 4] != 0) continue;
+                if (!may_enter(entered)) continue;
+                outside_[entered / 4] = 1;
+                queue.push_back(entered / 4);
+                discover(entered / 4);
+            }
+        }
+    }
+
+    // A patch that the far points do not see is met from outside here.
+    void discover(Index cell) {
+        for (Index v : tets_.cells[cell]) {
+            if (tets_.is_far(v) || good_[v] == 0) continue;
+            Orientation& o = orientation_[patch_of_[v]];
+            if (o == kUnknown) o = side(cell, v) > 0 ? kFirstIsOut : kFirstIsIn;
+        }
+    }
+
+    InsideLabels finish() {
+        InsideLabels labels;
+        labels.num_poor = num_poor_;
+        for (Index c = 0; c < tets_.num_cells(); ++c) {
+            const Votes votes = votes_of(c);
+            labels.num_conflicts += votes.in > 0 && votes.out > 0 ? 1 : 0;
+        }
+        labels.inside = std::move(outside_);
+        for (std::uint8_t& label : labels.inside) label ^= 1;
+        return labels;
+    }
+
+    const Tetrahedra& tets_;
+    const Cocone& cocone_;
+    const FacetSurface& surface_;
+    const Context& context_;
+    std::vector<std::uint8_t> wall_;  // per half facet: part of the surface
+    std::vector<std::uint8_t> good_, outside_;
+    std::vector<std::int8_t> sides_;  // per cell and vertex: side of the vertex's disc, 0 = none
+    std::vector<Index> patch_of_;
+    std::vector<std::vector<Index>> patch_members_;
+    std::vector<Orientation> orientation_;
+    Index num_poor_ = 0;
+};
+
+}  // namespace
+
+InsideLabels label_cells(const Tetrahedra& tets, const Cocone& cocone, const FacetSurface& surface,
+                         const Context& context) {
+    return Labeller(tets, cocone, surface, context).run();
+}
+
+}  // namespace pointbake

@@ -1,0 +1,33 @@
+// A place on a mesh.
+#pragma once
+
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+/// The point a + u (b - a) + v (c - a) of a triangle abc, and the area that it stands for.
+struct SurfaceSample {
+    Index triangle = kInvalidIndex;
+    float area = 0.0F;
+    double u = 0.0, v = 0.0;
+};
+
+struct TriangleFrame {
+    Vec3d a, ab, ac;
+
+    TriangleFrame(const Mesh& mesh, Index triangle) {
+        const Triangle& t = mesh.triangles[triangle];
+        a = mesh.positions[t[0]];
+        ab = mesh.positions[t[1]] - a;
+        ac = mesh.positions[t[2]] - a;
+    }
+    Vec3d at(double u, double v) const { return a + ab * u + ac * v; }
+    /// Along the face normal; its length is twice the area.
+    Vec3d normal() const { return cross(ab, ac); }
+};
+
+inline Vec3d position(const Mesh& mesh, const SurfaceSample& sample) {
+    return TriangleFrame(mesh, sample.triangle).at(sample.u, sample.v);
+}
+
+}  // namespace pointbake

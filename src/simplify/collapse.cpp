@@ -1,0 +1,334 @@
+// Quadric edge collapse [Garland97]. While triangles abound, edges go in sweeps over the vertices,
+// each with a threshold on the cost: neighbours in memory are neighbours in space, and blocks of
+// vertices are worked on in parallel. The last few halvings go strictly by cost.
+#include "simplify/collapse.h"
+
+#include <algorithm>
+
+#include "core/message.h"
+#include "core/parallel.h"
+#include "simplify/indexed_heap.h"
+#include "simplify/legality.h"
+#include "simplify/ordering.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::size_t kVertexGrain = 2048;
+constexpr std::uint64_t kEdgesPerPoll = 1024;
+// Sweeps end at this many times the wanted number of triangles: below, the order matters.
+constexpr double kSweepEnd = 5.0;
+// A sweep takes the cheapest of the vertices' best edges, this share of them.
+constexpr double kSweepShare = 0.35;
+// Sweeps end when this share of their collapses is refused by the bound, or when they collapse less
+// than this share of the vertices.
+constexpr double kMaxRefusedShare = 0.1;
+constexpr double kMinSweepGain = 0.02;
+// Vertices of a block; an edge is taken if its rings lie within one.
+constexpr std::size_t kBlockSize = 8192;
+
+// An edge as seen from one of its vertices.
+struct Candidate {
+    float cost = HUGE_VALF;
+    Index other = kInvalidIndex;
+    friend bool operator<(const Candidate& x, const Candidate& y) {
+        return x.cost != y.cost ? x.cost < y.cost : x.other < y.other;
+    }
+};
+// Below every candidate.
+constexpr Candidate kNothingRefused{-1.0F, 0};
+
+class Collapser {
+ public:
+    Collapser(Surface& surface, Attribution& attribution, const CollapseLimits& limits,
+              const Context& context)
+        : surface_(surface),
+          attribution_(attribution),
+          limits_(limits),
+          context_(context),
+          order_(surface, context),
+          marks_(surface.positions.size(), 0),
+          judge_(surface, attribution, marks_, limits.squared_distance),
+          best_(surface.positions.size()),
+          refused_(surface.positions.size(), kNothingRefused),
+          changed_(surface.positions.size(), 1),
+          heap_(surface.positions.size()),
+          num_before_(surface.num_triangles) {}
+
+    CollapseCounts run() {
+        sweep_while_many();
+        std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
+        pass_until_stuck();
+        const bool is_bounded = limits_.squared_distance < HUGE_VAL;
+        for (Strictness s : {Strictness::kShapeFree, Strictness::kTopologyOnly}) {
+            if (is_bounded || is_done()) break;
+            judge_.strictness = s;
+            std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
+            pass_until_stuck();
+        }
+        return counts_;
+    }
+
+ private:
+    bool is_done() const { return surface_.num_triangles <= limits_.num_triangles; }
+    void report() const {
+        const double goal = std::max<double>(1.0, num_before_ - limits_.num_triangles);
+        report_progress(context_, "simplify",
+                        kShareOfStage * (num_before_ - surface_.num_triangles) / goal);
+    }
+    static constexpr double kShareOfStage = 0.7;
+
+    template <class Accept>
+    Candidate best_edge(Index v, Accept&& accept) const;
+    Candidate best_edge_upwards(Index v) const;
+
+    void sweep_while_many();
+    CollapseCounts sweep(std::size_t offset);
+    void sweep_block(Index begin, Index end, float threshold, CollapseCounts& counts);
+    bool is_within(Index v, Index begin, Index end) const;
+    float sweep_threshold();
+
+    void pass_until_stuck();
+    void enqueue(Index v, Candidate best);
+    void fill_queue();
+    void drain_queue();
+    void update_queue(Index a, Index b);
+
+    Surface& surface_;
+    Attribution& attribution_;
+    CollapseLimits limits_;
+    const Context& context_;
+    CollapseOrder order_;
+    std::vector<std::uint8_t> marks_;
+    CollapseJudge judge_;
+    std::vector<Candidate> best_;        // per vertex
+    std::vector<Candidate> refused_;     // per vertex: edges up to this one were refused
+    std::vector<std::uint8_t> changed_;  // ring changed since best_ was found
+    IndexedHeap heap_;
+    std::vector<EdgeUse> edges_;
+    Index num_before_;
+    CollapseCounts counts_;
+};
+
+void count(Verdict verdict, CollapseCounts& counts) {
+    counts.num_collapses += verdict == Verdict::kLegal ? 1 : 0;
+    counts.num_rejected_by_topology += verdict == Verdict::kTopology ? 1 : 0;
+    counts.num_rejected_by_shape += verdict == Verdict::kShape ? 1 : 0;
+    counts.num_rejected_by_bound += verdict == Verdict::kBound ? 1 : 0;
+}
+
+CollapseCounts sum(CollapseCounts a, const CollapseCounts& b) {
+    a.num_collapses += b.num_collapses;
+    a.num_rejected_by_bound += b.num_rejected_by_bound;
+    a.num_rejected_by_topology += b.num_rejected_by_topology;
+    a.num_rejected_by_shape += b.num_rejected_by_shape;
+    a.num_triangles_removed += b.num_triangles_removed;
+    return a;
+}
+
+template <class Accept>
+Candidate Collapser::best_edge(Index v, Accept&& accept) const {
+    Candidate best;
+    const auto offer = [&](Index w) {
+        if (!accept(w) || !order_.is_movable(v, w)) return;
+        const Candidate c{order_.cost(v, w), w};
+        if (refused_[v] < c && c < best) best = c;
+    };
+    // Around an interior vertex every neighbour comes after it once.
+    const bool is_interior = surface_.kinds[v] == VertexKind::kInterior;
+    surface_.for_each_corner(v, [&](Index c) {
+        offer(surface_.after(c));
+        if (!is_interior) offer(surface_.before(c));
+    });
+    return best;
+}
+
+// For the queue, where an edge waits at its lower vertex alone.
+Candidate Collapser::best_edge_upwards(Index v) const {
+    return best_edge(v, [&](Index w) { return w > v; });
+}
+
+void Collapser::sweep_while_many() {
+    const double end = kSweepEnd * limits_.num_triangles;
+    for (std::size_t round = 0; surface_.num_triangles > end; ++round) {
+        const Index num_before = surface_.num_triangles;
+        const CollapseCounts counts = sweep(round % 2 == 0 ? 0 : kBlockSize / 2);
+        surface_.num_triangles -= static_cast<Index>(counts.num_triangles_removed);
+        counts_ = sum(counts_, counts);
+        report();
+        const auto refused = static_cast<double>(counts.num_rejected_by_bound);
+        if (refused > kMaxRefusedShare * static_cast<double>(counts.num_collapses)) break;
+        if (num_before - surface_.num_triangles < kMinSweepGain * num_before) break;
+    }
+}
+
+// The cost up to which a share of the vertices has an edge.
+float Collapser::sweep_threshold() {
+    std::vector<float> costs;
+    for (Index v = 0; v < best_.size(); ++v) {
+        if (surface_.first_corners[v] != kInvalidIndex && best_[v].other != kInvalidIndex)
+            costs.push_back(best_[v].cost);
+    }
+    if (costs.empty()) return 0.0F;
+    const auto rank = static_cast<std::ptrdiff_t>(kSweepShare * static_cast<double>(costs.size()));
+    std::nth_element(costs.begin(), costs.begin() + rank, costs.end());
+    return costs[static_cast<std::size_t>(rank)];
+}
+
+CollapseCounts Collapser::sweep(std::size_t offset) {
+    const std::size_t n = surface_.positions.size();
+    parallel_for(context_, n, kVertexGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!changed_[i]) continue;
+            best_[i] = best_edge(static_cast<Index>(i), [](Index) { return true; });
+            changed_[i] = 0;
+        }
+    });
+    const float threshold = sweep_threshold();
+    // Blocks are shifted from sweep to sweep, so that their borders get their turn.
+    const std::size_t num_blocks = (n + offset + kBlockSize - 1) / kBlockSize;
+    return parallel_reduce(
+        context_, num_blocks, 1, CollapseCounts{},
+        [&](std::size_t block, std::size_t) {
+            CollapseCounts counts;
+            const std::size_t end = std::min(n, (block + 1) * kBlockSize - offset);
+            const std::size_t begin = block * kBlockSize > offset ? block * kBlockSize - offset : 0;
+            sweep_block(static_cast<Index>(begin), static_cast<Index>(end), threshold, counts);
+            return counts;
+        },
+        sum);
+}
+
+bool Collapser::is_within(Index v, Index begin, Index end) const {
+    bool all = true;
+    surface_.for_each_corner(v, [&](Index c) {
+        for (Index w : surface_.triangles[c / 3]) all = all && w >= begin && w < end;
+    });
+    return all;
+}
+
+void Collapser::sweep_block(Index begin, Index end, float threshold, CollapseCounts& counts) {
+    CollapseJudge judge(surface_, attribution_, marks_, limits_.squared_distance);
+    for (Index v = begin; v < end; ++v) {
+        if (surface_.first_corners[v] == kInvalidIndex || !is_within(v, begin, end)) continue;
+        Candidate best = best_[v];
+        if (changed_[v]) best = best_edge(v, [](Index) { return true; });
+        if (best.cost > threshold || best.other == kInvalidIndex ||
+            !is_within(best.other, begin, end))
+            continue;
+        const Index a = std::min(v, best.other), b = std::max(v, best.other);
+        const Vec3d target = order_.placement(a, b);
+        const Verdict verdict = judge.judge(a, b, target);
+        count(verdict, counts);
+        if (verdict != Verdict::kLegal) {
+            refused_[v] = best;
+            changed_[v] = 1;
+            continue;
+        }
+        counts.num_triangles_removed += judge.apply(a, b, target);
+        order_.merge(a, b);
+        refused_[a] = kNothingRefused;
+        best_[b] = {};
+        surface_.for_each_corner(a, [&](Index c) {
+            for (Index w : surface_.triangles[c / 3]) {
+                changed_[w] = 1;
+                refused_[w] = kNothingRefused;
+            }
+        });
+    }
+}
+
+// Collapses until nothing legal is left. An edge that was refused is tried again once its ring has
+// changed.
+void Collapser::pass_until_stuck() {
+    std::uint64_t before = 0;
+    do {
+        before = counts_.num_collapses;
+        fill_queue();
+        drain_queue();
+    } while (!is_done() && counts_.num_collapses > before);
+}
+
+void Collapser::enqueue(Index v, Candidate best) {
+    best_[v] = best;
+    if (best.other == kInvalidIndex)
+        heap_.remove(v);
+    else
+        heap_.set(v, best.cost);
+}
+
+// Takes up all vertices around which something changed.
+void Collapser::fill_queue() {
+    const std::size_t n = surface_.positions.size();
+    std::vector<std::uint8_t> is_due(n, 0);
+    parallel_for(context_, n, kVertexGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Index v = static_cast<Index>(i);
+            if (surface_.first_corners[v] == kInvalidIndex) continue;
+            surface_.for_each_corner(v, [&](Index c) {
+                for (Index w : surface_.triangles[c / 3]) {
+                    if (changed_[w]) is_due[v] = 1;
+                }
+            });
+            if (!is_due[v]) continue;
+            refused_[v] = kNothingRefused;
+            best_[v] = best_edge_upwards(v);
+        }
+    });
+    for (Index v = 0; v < n; ++v) {
+        if (is_due[v]) enqueue(v, best_[v]);
+    }
+    std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+}
+
+void Collapser::drain_queue() {
+    std::uint64_t num_popped = 0;
+    while (!heap_.empty() && !is_done()) {
+        if (++num_popped % kEdgesPerPoll == 0) {
+            check_cancelled(context_);
+            report();
+        }
+        const Index a = heap_.top().id, b = best_[a].other;
+        const Vec3d target = order_.placement(a, b);
+        const Verdict verdict = judge_.judge(a, b, target);
+        count(verdict, counts_);
+        if (verdict == Verdict::kLegal) {
+            surface_.num_triangles -= judge_.apply(a, b, target);
+            order_.merge(a, b);
+            update_queue(a, b);
+        } else {
+            refused_[a] = best_[a];
+            enqueue(a, best_edge_upwards(a));
+        }
+    }
+}
+
+// Vertex b became a: edges at a have new costs, edges at b are gone.
+void Collapser::update_queue(Index a, Index b) {
+    enqueue(b, {});
+    refused_[a] = kNothingRefused;
+    changed_[a] = 1;
+    collect_edges(surface_, a, edges_);
+    for (const EdgeUse& e : edges_) {
+        const Index n = e.neighbor;
+        changed_[n] = 1;
+        if (best_[n].other == a || best_[n].other == b) {
+            enqueue(n, best_edge_upwards(n));
+        } else if (n < a) {
+            const Candidate c{order_.cost(n, a), a};
+            // Refused edges above the new one get a second chance with it.
+            if (!(refused_[n] < c)) refused_[n] = kNothingRefused;
+            if (c < best_[n]) enqueue(n, c);
+        }
+    }
+    enqueue(a, best_edge_upwards(a));
+}
+
+}  // namespace
+
+CollapseCounts collapse_edges_in_place(Surface& surface, Attribution& attribution,
+                                       const CollapseLimits& limits, const Context& context) {
+    return Collapser(surface, attribution, limits, context).run();
+}
+
+}  // namespace pointbake

@@ -1,0 +1,60 @@
+// The error of every patch at every size it may take: what sizes are chosen from.
+#pragma once
+
+#include <vector>
+
+#include "pointbake/texture.h"
+#include "texture/patch_texels.h"
+
+namespace pointbake {
+
+/// Texels per unit of a patch at a level: 0 = the one-texel patch, 1 = a base of one texel, then
+/// sqrt(2) more each.
+double level_density(const TriangleFrame& frame, int level);
+
+enum class CapReason : std::uint8_t { kNone, kSpacing, kCount, kSize };
+
+/// Per triangle the levels 0 .. n-1 that were measured, coarse to fine.
+class LevelErrors {
+ public:
+    struct Level {
+        float error;          ///< RMS against the splatted function, 8-bit steps
+        std::int32_t needed;  ///< texels of the need set
+    };
+    struct Patch {
+        Index begin = 0;  ///< into levels
+        std::uint8_t count = 0;
+        CapReason cap =
+            CapReason::kNone;  ///< what kept it from more levels; kNone = nothing left to gain
+        double area = 0.0;     ///< cloud units^2: weight of its error
+    };
+
+    std::vector<Patch> patches;
+    std::vector<Level> levels;
+
+    float error(std::size_t t, std::uint8_t level) const {
+        return levels[patches[t].begin + level].error;
+    }
+    std::int32_t needed(std::size_t t, std::uint8_t level) const {
+        return levels[patches[t].begin + level].needed;
+    }
+    /// The first level within the bound, else the one of least error.
+    std::uint8_t first_within(std::size_t t, double bound) const;
+    /// The level up to `last` where area * error^2 + price * needed is least.
+    std::uint8_t cheapest(std::size_t t, std::uint8_t last, double price) const;
+    double total_area() const;
+};
+
+LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, MapKind kind,
+                           std::span<const Vec3f> values, const TextureOptions& options,
+                           const Context& context);
+
+/// The patch of a triangle at a level, as measured and as written.
+PatchTexels make_patch(LocalField& field, const SplatScene& scene, const PointCloud& cloud,
+                       MapKind kind, std::span<const Vec3f> values, Index triangle, int level);
+
+/// Fills in the error figures and the capped counts.
+void summarise_errors(const LevelErrors& levels, std::span<const std::uint8_t> chosen, double bound,
+                      TextureReport& report);
+
+}  // namespace pointbake

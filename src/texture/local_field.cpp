@@ -1,0 +1,182 @@
+#include "texture/local_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "texture/kernel.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::size_t kMaxUnfolded =
+    384;                             // triangles unfolded around one: a limit for very fine meshes
+constexpr float kMinWeight = 1e-5F;  // below, a place counts as not covered
+constexpr int kMaxCells = 64;        // per side of the bin grid
+
+}  // namespace
+
+void LocalField::gather(Index triangle, double border) {
+    triangle_ = triangle;
+    splats_.clear();
+    inverses_.clear();
+    unfold(triangle, border);
+    for (const Unfolded& u : queue_) add_splats(u, border);
+    build_bins();
+}
+
+// Breadth first over edges; each triangle is unfolded once, along the first way found.
+void LocalField::unfold(Index triangle, double border) {
+    const TriangleFrame& home = scene_.shell.frame(triangle);
+    const double reach = border + static_cast<double>(scene_.prints.reach[triangle]);
+    const double low_x = -reach, high_x = home.base() + reach;
+    const double low_y = -reach, high_y = home.height() + reach;
+    queue_.clear();
+    queue_.push_back({triangle, 1.0, 0.0, 0.0, 0.0});
+    for (std::size_t head = 0; head < queue_.size() && queue_.size() < kMaxUnfolded; ++head) {
+        const Unfolded at = queue_[head];
+        const TriangleFrame& from = scene_.shell.frame(at.triangle);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Index next = scene_.neighbors[at.triangle][k];
+            if (next == kInvalidIndex) continue;
+            const bool seen = std::any_of(queue_.begin(), queue_.end(),
+                                          [next](const Unfolded& u) { return u.triangle == next; });
+            if (seen) continue;
+            // The shared edge in both frames gives the rotation and the shift.
+            const Triangle& tri = scene_.mesh.triangles[next];
+            const Index a_vertex = scene_.mesh.triangles[at.triangle][k];
+            const std::size_t ka = tri[0] == a_vertex ? 0 : (tri[1] == a_vertex ? 1 : 2);
+            const TriangleFrame& to = scene_.shell.frame(next);
+            const Vec2d a0 = from.corners[k], b0 = from.corners[(k + 1) % 3];
+            const Vec2d a1 = to.corners[ka], b1 = to.corners[(ka + 2) % 3];
+            const auto place = [&](Vec2d x) {
+                return Vec2d{at.c * x.x - at.s * x.y + at.tx, at.s * x.x + at.c * x.y + at.ty};
+            };
+            const Vec2d a = place(a0), d = place(b0) - a, e = b1 - a1;
+            const double norm = length(d) * length(e);
+            if (!(norm > 0.0)) continue;
+            Unfolded u{next, dot(e, d) / norm, cross(e, d) / norm, 0.0, 0.0};
+            u.tx = a.x - (u.c * a1.x - u.s * a1.y);
+            u.ty = a.y - (u.s * a1.x + u.c * a1.y);
+            double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
+            for (const Vec2d& corner : to.corners) {
+                const double x = u.c * corner.x - u.s * corner.y + u.tx;
+                const double y = u.s * corner.x + u.c * corner.y + u.ty;
+                x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y),
+                y1 = std::max(y1, y);
+            }
+            if (x0 <= high_x && x1 >= low_x && y0 <= high_y && y1 >= low_y) queue_.push_back(u);
+        }
+    }
+}
+
+void LocalField::add_splats(const Unfolded& from, double border) {
+    const TriangleFrame& home = scene_.shell.frame(triangle_);
+    const auto c = static_cast<float>(from.c), s = static_cast<float>(from.s);
+    const auto tx = static_cast<float>(from.tx), ty = static_cast<float>(from.ty);
+    const auto grow = static_cast<float>(border);
+    const float width = static_cast<float>(home.base()) + grow,
+                height = static_cast<float>(home.height()) + grow;
+    const Index first = scene_.prints.begin[from.triangle];
+    const std::span<const Footprint> prints = scene_.prints.of(from.triangle);
+    for (std::size_t i = 0; i < prints.size(); ++i) {
+        const Footprint& f = prints[i];
+        if (f.hidden) continue;
+        LocalSplat out;
+        out.center = {c * f.center.x - s * f.center.y + tx, s * f.center.x + c * f.center.y + ty};
+        out.vxx = c * c * f.vxx - 2.0F * c * s * f.vxy + s * s * f.vyy;
+        out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;
+        out.vxy = c * s * (f.vxx - f.vyy) + (c * c - s * s) * f.vxy;
+        out.item = first + static_cast<Index>(i);
+        const float rx = kKernelCut * std::sqrt(out.vxx), ry = kKernelCut * std::sqrt(out.vyy);
+        if (out.center.x + rx < -grow || out.center.x - rx > width) continue;
+        if (out.center.y + ry < -grow || out.center.y - ry > height) continue;
+        const float det = out.vxx * out.vyy - out.vxy * out.vxy;
+        if (!(det > 0.0F)) continue;
+        splats_.push_back(out);
+        inverses_.push_back({out.vyy / det, -out.vxy / det, out.vxx / det, rx, ry});
+    }
+}
+
+void LocalField::build_bins() {
+    const TriangleFrame& home = scene_.shell.frame(triangle_);
+    const auto reach = static_cast<float>(scene_.prints.reach[triangle_]);
+    const auto w = static_cast<float>(home.base()), h = static_cast<float>(home.height());
+    grid_origin_ = {0.0F, 0.0F};
+    const float cell = std::max({0.5F * reach, w / kMaxCells, h / kMaxCells, 1e-30F});
+    cells_per_unit_ = 1.0F / cell;
+    grid_width_ = std::clamp(static_cast<int>(w * cells_per_unit_) + 1, 1, kMaxCells);
+    grid_height_ = std::clamp(static_cast<int>(h * cells_per_unit_) + 1, 1, kMaxCells);
+    const auto range = [&](std::size_t i, auto&& visit) {
+        const LocalSplat& s = splats_[i];
+        const auto clamp_cell = [](float x, int n) {
+            return static_cast<int>(std::clamp(x, 0.0F, static_cast<float>(n - 1)));
+        };
+        const int x0 =
+            clamp_cell((s.center.x - inverses_[i].radius_x) * cells_per_unit_, grid_width_);
+        const int x1 =
+            clamp_cell((s.center.x + inverses_[i].radius_x) * cells_per_unit_, grid_width_);
+        const int y0 =
+            clamp_cell((s.center.y - inverses_[i].radius_y) * cells_per_unit_, grid_height_);
+        const int y1 =
+            clamp_cell((s.center.y + inverses_[i].radius_y) * cells_per_unit_, grid_height_);
+        for (int y = y0; y <= y1; ++y) {
+            for (int x = x0; x <= x1; ++x) visit(static_cast<std::size_t>(y * grid_width_ + x));
+        }
+    };
+    cell_begin_.assign(static_cast<std::size_t>(grid_width_ * grid_height_) + 1, 0);
+    for (std::size_t i = 0; i < splats_.size(); ++i)
+        range(i, [&](std::size_t c) { ++cell_begin_[c + 1]; });
+    std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
+    cell_items_.resize(cell_begin_.back());
+    for (std::size_t i = splats_.size(); i-- > 0;) {
+        range(i, [&](std::size_t c) { cell_items_[--cell_begin_[c + 1]] = static_cast<Index>(i); });
+    }
+    // Filling backwards left each begin one cell late.
+    for (std::size_t c = 0; c + 1 < cell_begin_.size(); ++c) cell_begin_[c] = cell_begin_[c + 1];
+    cell_begin_.back() = static_cast<Index>(cell_items_.size());
+}
+
+SplatSum LocalField::evaluate(Vec2f x, std::span<const Vec3f> values,
+                              std::span<const std::uint8_t> skip) const {
+    SplatSum out;
+    const int cx = std::clamp(static_cast<int>(x.x * cells_per_unit_), 0, grid_width_ - 1);
+    const int cy = std::clamp(static_cast<int>(x.y * cells_per_unit_), 0, grid_height_ - 1);
+    const auto cell = static_cast<std::size_t>(cy * grid_width_ + cx);
+    for (Index k = cell_begin_[cell]; k < cell_begin_[cell + 1]; ++k) {
+        const Index i = cell_items_[k];
+        const LocalSplat& s = splats_[i];
+        const Inverse& v = inverses_[i];
+        const float dx = x.x - s.center.x, dy = x.y - s.center.y;
+        const float q = v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy;
+        if (!(q < kKernelCut2) || (!skip.empty() && skip[s.item])) continue;
+        const float w = kKernel(q);
+        out.sum += values[s.item] * w;
+        out.weight += w;
+    }
+    return out.weight > kMinWeight ? out : evaluate_wide(x, values, skip);
+}
+
+SplatSum LocalField::evaluate_wide(Vec2f x, std::span<const Vec3f> values,
+                                   std::span<const std::uint8_t> skip) const {
+    constexpr float kWidest = 1048576.0F;  // q scaled by this reaches anything gathered
+    SplatSum out;
+    for (float widen = 4.0F; widen <= kWidest; widen *= 4.0F) {
+        for (std::size_t i = 0; i < splats_.size(); ++i) {
+            const LocalSplat& s = splats_[i];
+            if (!skip.empty() && skip[s.item]) continue;
+            const Inverse& v = inverses_[i];
+            const float dx = x.x - s.center.x, dy = x.y - s.center.y;
+            const float q = (v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy) / widen;
+            if (!(q < kKernelCut2)) continue;
+            const float w = kKernel(q);
+            out.sum += values[s.item] * w;
+            out.weight += w;
+        }
+        if (out.weight > kMinWeight) return out;
+        out = {};
+    }
+    return out;
+}
+
+}  // namespace pointbake

@@ -1,0 +1,77 @@
+// The splatted function around one triangle: its own splats and, unfolded across edges into its
+// plane, those of the neighbours. Both sides of an edge see the same splats at the same places: the
+// cure for seams.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "texture/footprints.h"
+
+namespace pointbake {
+
+/// A splat in the frame of the triangle that looks at it.
+struct LocalSplat {
+    Vec2f center;
+    float vxx, vxy, vyy;
+    Index item;  ///< into Footprints::items
+};
+
+/// Everything that does not change while textures are made.
+struct SplatScene {
+    const Mesh& mesh;
+    const Shell& shell;
+    const std::vector<std::array<Index, 3>>& neighbors;
+    const Footprints& prints;
+};
+
+/// Weighted sum of splat values: value = sum / weight.
+struct SplatSum {
+    Vec3f sum{};
+    float weight = 0.0F;
+};
+
+/// Scratch for one triangle after the other; one per thread.
+class LocalField {
+ public:
+    explicit LocalField(const SplatScene& scene) : scene_(scene) {}
+
+    /// Gathers the splats that reach the triangle grown by `border` (cloud units).
+    void gather(Index triangle, double border);
+
+    std::span<const LocalSplat> splats() const { return splats_; }
+
+    /// The splatted function at x in the triangle's plane; `values` per item, `skip` (may be empty)
+    /// leaves items out. Where no splat reaches, the kernels are widened until one does; weight 0 =
+    /// there are no splats at all.
+    SplatSum evaluate(Vec2f x, std::span<const Vec3f> values,
+                      std::span<const std::uint8_t> skip = {}) const;
+
+ private:
+    struct Unfolded {
+        Index triangle;
+        double c, s, tx, ty;  ///< x' = c x - s y + tx, y' = s x + c y + ty
+    };
+    struct Inverse {
+        float a, b, c, radius_x, radius_y;
+    };
+    void unfold(Index triangle, double border);
+    void add_splats(const Unfolded& from, double border);
+    void build_bins();
+    SplatSum evaluate_wide(Vec2f x, std::span<const Vec3f> values,
+                           std::span<const std::uint8_t> skip) const;
+
+    SplatScene scene_;
+    Index triangle_ = kInvalidIndex;
+    std::vector<Unfolded> queue_;
+    std::vector<LocalSplat> splats_;
+    std::vector<Inverse> inverses_;
+
+    // Splats by cell of a grid over the triangle's box; a splat is in every cell that it reaches.
+    Vec2f grid_origin_{};
+    float cells_per_unit_ = 0.0F;
+    int grid_width_ = 0, grid_height_ = 0;
+    std::vector<Index> cell_begin_, cell_items_;
+};
+
+}  // namespace pointbake

@@ -1,0 +1,169 @@
+// [Zwicker01]: V' = A V A^T + h^2 I, w = sqrt(det A V A^T / det V') exp(-d^T V'^-1 d / 2), t = sum
+// w c / sum w. Kernels have unit amplitude in object space: with normalised splatting the densest
+// samples must not dominate.
+#include "texture/patch_texels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "texture/kernel.h"
+
+namespace pointbake {
+namespace {
+
+constexpr float kMinWeight = 1e-4F;  // below, a texel counts as not covered
+
+struct ScreenSplat {
+    float x, y, a, b, c;  // centre; q(dx, dy) = a dx^2 + 2 b dx dy + c dy^2
+    float radius_y, amplitude;
+    Vec3f value;
+};
+
+// The splat in texel coordinates; false if it is too thin to have any.
+bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, ScreenSplat& out) {
+    const float m00 = layout.column_x.x, m01 = layout.column_y.x, m11 = layout.column_y.y;
+    const float xx = m00 * m00 * s.vxx + 2.0F * m00 * m01 * s.vxy + m01 * m01 * s.vyy;
+    const float xy = m11 * (m00 * s.vxy + m01 * s.vyy);
+    const float yy = m11 * m11 * s.vyy;
+    const float det_object = xx * yy - xy * xy;
+    const float vxx = xx + low_pass, vyy = yy + low_pass;
+    const float det = vxx * vyy - xy * xy;
+    if (!(det > 0.0F) || !(det_object > 0.0F)) return false;
+    const Vec2f center = layout.texel_of(s.center);
+    out = {center.x,
+           center.y,
+           vyy / det,
+           -xy / det,
+           vxx / det,
+           kKernelCut * std::sqrt(vyy),
+           std::sqrt(det_object / det),
+           {}};
+    return true;
+}
+
+struct Accumulator {
+    Vec3f sum{};
+    float weight = 0.0F;
+};
+
+void accumulate(const ScreenSplat& s, const NeedSet& need, int width,
+                std::vector<Accumulator>& texels) {
+    const int first_row =
+        std::max(0, static_cast<int>(std::ceil(s.y - s.radius_y)) - need.offset_y);
+    const int last_row = std::min(need.shape.height() - 1,
+                                  static_cast<int>(std::floor(s.y + s.radius_y)) - need.offset_y);
+    for (int row = first_row; row <= last_row; ++row) {
+        // Exact span of q < cut^2 in this row.
+        const float dy = static_cast<float>(row + need.offset_y) - s.y;
+        const float root = (s.b * s.b - s.a * s.c) * dy * dy + s.a * kKernelCut2;
+        if (!(root > 0.0F)) continue;
+        const float half = std::sqrt(root) / s.a, middle = s.x - s.b * dy / s.a;
+        const PatchShape::Span span = need.shape.rows[static_cast<std::size_t>(row)];
+        const int left =
+            std::max(span.left, static_cast<int>(std::ceil(middle - half)) - need.offset_x);
+        const int right =
+            std::min(span.right, static_cast<int>(std::floor(middle + half)) - need.offset_x);
+        Accumulator* out = texels.data() + static_cast<std::ptrdiff_t>(row) * width;
+        for (int i = left; i <= right; ++i) {
+            const float dx = static_cast<float>(i + need.offset_x) - s.x;
+            const float q = (s.a * dx + 2.0F * s.b * dy) * dx + s.c * dy * dy;
+            if (!(q < kKernelCut2)) continue;
+            const float w = s.amplitude * kKernel(std::max(q, 0.0F));
+            out[i].sum += s.value * w;
+            out[i].weight += w;
+        }
+    }
+}
+
+void encode_texels(PatchTexels& patch, MapKind kind) {
+    patch.coded.resize(patch.values.size() * 3);
+    for (std::size_t i = 0; i < patch.values.size(); ++i) {
+        const Texel t = encode(kind, patch.values[i]);
+        std::copy(t.begin(), t.end(), patch.coded.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+}
+
+}  // namespace
+
+PatchLayout patch_layout(const TriangleFrame& frame, double texels_per_unit) {
+    PatchLayout out;
+    if (texels_per_unit <= kOneTexel || !(frame.height() > 0.0)) {
+        // Everything at one texel centre; the splats are filtered as if the texel were as large as
+        // the triangle.
+        const auto size = static_cast<float>(std::max(frame.base(), 1e-300));
+        const TriangleFrame& f = frame;
+        const Vec2d middle = (f.corners[0] + f.corners[1] + f.corners[2]) / 3.0;
+        out.column_x = {1.0F / size, 0.0F};
+        out.column_y = {0.0F, -1.0F / size};
+        out.origin = {-static_cast<float>(middle.x) / size, static_cast<float>(middle.y) / size};
+        return out;
+    }
+    const auto whole = [](double x) { return std::max(1, static_cast<int>(x + 0.5)); };
+    const double foot = frame.corners[static_cast<std::size_t>((frame.left + 2) % 3)].x;
+    out.base = whole(texels_per_unit * frame.base());
+    out.height = whole(texels_per_unit * frame.height());
+    const double scale_x = out.base / frame.base(), scale_y = out.height / frame.height();
+    out.apex = std::clamp(static_cast<int>(std::floor(scale_x * foot + 0.5)), 0, out.base);
+    const auto left = static_cast<std::size_t>(frame.left);
+    out.corners[left] = {0.0, static_cast<double>(out.height)};
+    out.corners[(left + 1) % 3] = {static_cast<double>(out.base), static_cast<double>(out.height)};
+    out.corners[(left + 2) % 3] = {static_cast<double>(out.apex), 0.0};
+    out.origin = {0.0F, static_cast<float>(out.height)};
+    out.column_x = {static_cast<float>(scale_x), 0.0F};
+    out.column_y = {static_cast<float>((out.apex - scale_x * foot) / frame.height()),
+                    static_cast<float>(-scale_y)};
+    return out;
+}
+
+PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, MapKind kind,
+                        const PatchLayout& layout, float low_pass) {
+    PatchTexels patch;
+    patch.layout = layout;
+    patch.need = need_set(layout.corners);
+    const int width = patch.width(), height = patch.need.shape.height();
+    std::vector<Accumulator> texels(static_cast<std::size_t>(width) *
+                                    static_cast<std::size_t>(height));
+    for (const LocalSplat& s : field.splats()) {
+        ScreenSplat screen;
+        if (!to_screen(s, layout, low_pass, screen)) continue;
+        screen.value = values[s.item];
+        accumulate(screen, patch.need, width, texels);
+    }
+    patch.values.resize(texels.size());
+    for (int row = 0; row < height; ++row) {
+        const PatchShape::Span span = patch.need.shape.rows[static_cast<std::size_t>(row)];
+        for (int i = span.left; i <= span.right; ++i) {
+            const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                            static_cast<std::size_t>(i);
+            Accumulator& texel = texels[at];
+            if (!(texel.weight > kMinWeight)) {
+                const Vec2f u{static_cast<float>(i + patch.need.offset_x),
+                              static_cast<float>(row + patch.need.offset_y)};
+                const SplatSum wide = field.evaluate(layout.place_of(u), values);
+                texel = {wide.sum, wide.weight};
+                ++patch.num_uncovered;
+            }
+            if (texel.weight > 0.0F) patch.values[at] = texel.sum / texel.weight;
+        }
+    }
+    encode_texels(patch, kind);
+    return patch;
+}
+
+Vec3f sample_bilinear(const PatchTexels& patch, MapKind kind, Vec2f u) {
+    const float x = u.x - static_cast<float>(patch.need.offset_x),
+                y = u.y - static_cast<float>(patch.need.offset_y);
+    const int last_x = patch.width() - 1, last_y = patch.need.shape.height() - 1;
+    const int x0 = std::clamp(static_cast<int>(std::floor(x)), 0, last_x),
+              x1 = std::min(x0 + 1, last_x);
+    const int y0 = std::clamp(static_cast<int>(std::floor(y)), 0, last_y),
+              y1 = std::min(y0 + 1, last_y);
+    const float fx = std::clamp(x - static_cast<float>(x0), 0.0F, 1.0F);
+    const float fy = std::clamp(y - static_cast<float>(y0), 0.0F, 1.0F);
+    const auto at = [&](int i, int j) { return decode(kind, patch.texel(i, j)); };
+    const Vec3f top = at(x0, y0) * (1.0F - fx) + at(x1, y0) * fx;
+    const Vec3f bottom = at(x0, y1) * (1.0F - fx) + at(x1, y1) * fx;
+    return top * (1.0F - fy) + bottom * fy;
+}
+
+}  // namespace pointbake

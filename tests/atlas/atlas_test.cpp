@@ -1,0 +1,264 @@
+#include "pointbake/atlas.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "atlas/random_shapes.h"
+#include "pointbake/error.h"
+
+namespace pointbake {
+namespace {
+
+// Every needed texel lies in a page, and no two shapes own the same.
+void expect_valid(const std::vector<PatchShape>& shapes, const Packing& packing) {
+    ASSERT_EQ(packing.placements.size(), shapes.size());
+    std::vector<std::vector<std::uint8_t>> owned;
+    std::int64_t num_texels = 0, num_needed = 0;
+    for (const PageSize& page : packing.pages) {
+        owned.emplace_back(static_cast<std::size_t>(page.width * page.height), std::uint8_t{0});
+        num_texels += std::int64_t{page.width} * page.height;
+    }
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        const Placement& at = packing.placements[s];
+        ASSERT_LT(at.page, packing.pages.size());
+        const PageSize page = packing.pages[at.page];
+        const int w = shapes[s].width(), h = shapes[s].height();
+        num_needed += shapes[s].num_texels();
+        for (int j = 0; j < h; ++j) {
+            const PatchShape::Span row = shapes[s].rows[static_cast<std::size_t>(j)];
+            for (int i = row.left; i <= row.right; ++i) {
+                const int x = at.x + (at.mirror_x ? w - 1 - i : i);
+                const int y = at.y + (at.mirror_y ? h - 1 - j : j);
+                ASSERT_TRUE(x >= 0 && x < page.width && y >= 0 && y < page.height) << "shape " << s;
+                std::uint8_t& texel = owned[at.page][static_cast<std::size_t>(y * page.width + x)];
+                ASSERT_EQ(texel, 0) << "shape " << s << " at " << x << ' ' << y;
+                texel = 1;
+            }
+        }
+    }
+    EXPECT_EQ(packing.num_needed, num_needed);
+    EXPECT_EQ(packing.num_texels, num_texels);
+}
+
+void expect_sides(const Packing& packing, const AtlasOptions& options) {
+    for (const PageSize& page : packing.pages) {
+        for (const int side : {page.width, page.height}) {
+            EXPECT_LE(side, options.page_size);
+            EXPECT_EQ(side % 64, 0);
+            if (options.power_of_two) {
+                EXPECT_EQ(side & (side - 1), 0);
+            }
+        }
+    }
+}
+
+std::vector<PatchShape> repeated(int count, const PatchShape& shape) {
+    return std::vector<PatchShape>(static_cast<std::size_t>(count), shape);
+}
+
+double fill_of_paper(const std::vector<PatchShape>& shapes) {
+    return pack(shapes, {.packer = Packer::kAppendixA}).fill();
+}
+
+TEST(Pack, KeepsShapesApartInSetsOfAnySize) {
+    for (const int count : {1, 2, 3, 10, 100, 1000, 5000}) {
+        for (const Packer packer : {Packer::kLeastWaste, Packer::kAppendixA}) {
+            for (const bool pot : {false, true}) {
+                const AtlasOptions options{
+                    .page_size = 1024, .power_of_two = pot, .packer = packer};
+                const auto shapes =
+                    log_normal_shapes(count, 10, 0.7, static_cast<std::uint64_t>(count));
+                const Packing packing = pack(shapes, options);
+                expect_valid(shapes, packing);
+                expect_sides(packing, options);
+            }
+        }
+    }
+}
+
+TEST(Pack, OfNothingIsNothing) {
+    const Packing packing = pack({});
+    EXPECT_TRUE(packing.pages.empty());
+    EXPECT_EQ(packing.fill(), 0.0);
+}
+
+TEST(Pack, FillsTheBenchmarkSets) {
+    const auto shapes = log_normal_shapes(10'000, 12, 0.4);
+    EXPECT_GT(pack(shapes).fill(), 0.92);
+    EXPECT_GT(fill_of_paper(shapes), 0.88);
+    const auto large = log_normal_shapes(10'000, 28, 0.5);
+    EXPECT_GT(pack(large).fill(), 0.93);
+    EXPECT_GT(fill_of_paper(large), 0.90);
+}
+
+TEST(Pack, FillsAwkwardSets) {
+    EXPECT_GT(pack(repeated(3000, triangle_shape(12, 8, 5))).fill(), 0.86);
+    EXPECT_EQ(pack(repeated(64 * 64, triangle_shape(0, 0, 0))).fill() > 0.9, true);
+    // one of 300 and many of 6 texels' base
+    auto huge = repeated(3000, triangle_shape(6, 4, 2));
+    huge.push_back(triangle_shape(300, 250, 100));
+    EXPECT_GT(pack(huge).fill(), 0.85);
+    // two sizes
+    auto two = repeated(2000, triangle_shape(10, 6, 3));
+    for (int i = 0; i < 200; ++i) two.push_back(triangle_shape(44, 30, 4 + i % 36));
+    EXPECT_GT(pack(two).fill(), 0.88);
+    // needles, lying and standing
+    std::vector<PatchShape> needles;
+    for (int i = 0; i < 1500; ++i)
+        needles.push_back(triangle_shape(30 + i % 40, 1 + i % 4, 3 + i % 25));
+    for (int i = 0; i < 500; ++i) needles.push_back(triangle_shape(1 + i % 3, 20 + i % 20, i % 2));
+    EXPECT_GT(pack(needles).fill(), 0.85);
+    for (const auto& shapes : {huge, two, needles}) expect_valid(shapes, pack(shapes));
+}
+
+TEST(Pack, PutsTheSmallestShapesIntoGaps) {
+    // the gaps between large triangles hold what would need rows of its own otherwise
+    auto shapes = log_normal_shapes(500, 30, 0.3);
+    const std::int64_t large = pack(shapes).num_texels;
+    const auto ones = repeated(4000, need_set({}).shape);
+    shapes.insert(shapes.end(), ones.begin(), ones.end());
+    const Packing packing = pack(shapes);
+    expect_valid(shapes, packing);
+    EXPECT_LE(packing.num_texels, large + 4000);
+    EXPECT_GT(packing.fill(), 0.9);
+}
+
+TEST(Pack, OpensPagesAsNeeded) {
+    const auto shapes = log_normal_shapes(3000, 14, 0.4);
+    const AtlasOptions options{.page_size = 256};
+    const Packing packing = pack(shapes, options);
+    expect_valid(shapes, packing);
+    expect_sides(packing, options);
+    EXPECT_GE(packing.pages.size(), 5U);
+    EXPECT_GT(packing.fill(), 0.85);
+}
+
+TEST(Pack, DoesNotDependOnTheOrderOfShapes) {
+    const auto shapes = log_normal_shapes(2000, 9, 0.6);
+    std::vector<std::size_t> order(shapes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [](std::size_t a, std::size_t b) { return hash64(9, a) < hash64(9, b); });
+    std::vector<PatchShape> shuffled;
+    for (const std::size_t i : order) shuffled.push_back(shapes[i]);
+    for (const Packer packer : {Packer::kLeastWaste, Packer::kAppendixA}) {
+        const Packing a = pack(shapes, {.packer = packer}), b = pack(shuffled, {.packer = packer});
+        EXPECT_EQ(a.num_texels, b.num_texels);
+        // the same places, taken by the same kinds of shape
+        std::vector<std::array<int, 4>> places_a, places_b;
+        for (std::size_t i = 0; i < shapes.size(); ++i) {
+            places_a.push_back(
+                {a.placements[i].x, a.placements[i].y, shapes[i].width(), shapes[i].height()});
+            places_b.push_back(
+                {b.placements[i].x, b.placements[i].y, shuffled[i].width(), shuffled[i].height()});
+        }
+        std::sort(places_a.begin(), places_a.end());
+        std::sort(places_b.begin(), places_b.end());
+        EXPECT_EQ(places_a, places_b);
+    }
+}
+
+TEST(Pack, IsTheSameForAnyNumberOfThreads) {
+    const auto shapes = log_normal_shapes(1000, 12, 0.5);
+    Context one, seven;
+    one.threads = 1;
+    seven.threads = 7;
+    const Packing a = pack(shapes, {}, one), b = pack(shapes, {}, seven);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        EXPECT_EQ(a.placements[i].x, b.placements[i].x);
+        EXPECT_EQ(a.placements[i].y, b.placements[i].y);
+        EXPECT_EQ(a.placements[i].mirror_x, b.placements[i].mirror_x);
+        EXPECT_EQ(a.placements[i].mirror_y, b.placements[i].mirror_y);
+    }
+}
+
+TEST(Pack, RefusesWhatDoesNotFitAPage) {
+    for (const Packer packer : {Packer::kLeastWaste, Packer::kAppendixA}) {
+        const AtlasOptions options{.page_size = 100, .packer = packer};
+        for (const PatchShape& shape :
+             {triangle_shape(64, 3, 2), triangle_shape(3, 64, 2), triangle_shape(500, 300, 100)}) {
+            try {
+                pack(std::vector{triangle_shape(4, 3, 2), shape}, options);
+                FAIL() << "packed";
+            } catch (const Error& e) {
+                EXPECT_EQ(e.code(), ErrorCode::kLimit);
+                EXPECT_NE(std::string(e.what()).find("patch 1"), std::string::npos) << e.what();
+            }
+        }
+        // the largest that does
+        const Packing packing = pack(std::vector{triangle_shape(63, 63, 30)}, options);
+        EXPECT_EQ(packing.pages.size(), 1U);
+    }
+}
+
+TEST(Pack, RefusesShapesThatAreNone) {
+    EXPECT_THROW(pack(std::vector{PatchShape{}}), Error);
+    EXPECT_THROW(pack(std::vector{PatchShape{{{0, 3}, {2, 1}}}}), Error);
+    EXPECT_THROW(pack(std::vector{PatchShape{{{1, 3}, {2, 4}}}}), Error);
+    EXPECT_THROW(pack(std::vector{PatchShape{{{-1, 3}}}}), Error);
+}
+
+TEST(Pack, RefusesPagesThatNoGpuTakes) {
+    const std::vector shapes{triangle_shape(4, 3, 2)};
+    for (const int size : {-1, 0, 63, 20'000})
+        EXPECT_THROW(pack(shapes, {.page_size = size}), Error) << size;
+}
+
+TEST(Pack, StopsWhenTold) {
+    std::stop_source source;
+    source.request_stop();
+    Context context;
+    context.stop = source.get_token();
+    const auto shapes = log_normal_shapes(100, 9, 0.6);
+    EXPECT_THROW(pack(shapes, {}, context), Error);
+    EXPECT_THROW(pack_into(shapes, std::vector{PageSize{1024, 1024}}, {}, context), Error);
+}
+
+TEST(PackInto, FillsGivenPagesToNineTenths) {
+    const auto shapes = log_normal_shapes(10'000, 10, 0.4);
+    std::int64_t needed = 0;
+    for (const PatchShape& shape : shapes) needed += shape.num_texels();
+    const int height = static_cast<int>(static_cast<double>(needed) / (0.925 * 1024));
+    const std::vector pages{PageSize{1024, height}};
+    const auto packing = pack_into(shapes, pages);
+    ASSERT_TRUE(packing.has_value());
+    expect_valid(shapes, *packing);
+    EXPECT_GT(packing->fill(), 0.92);
+}
+
+TEST(PackInto, UsesEveryPage) {
+    const auto shapes = log_normal_shapes(2000, 12, 0.5);
+    std::int64_t needed = 0;
+    for (const PatchShape& shape : shapes) needed += shape.num_texels();
+    const int side = static_cast<int>(std::sqrt(static_cast<double>(needed) / 0.88 / 2.0));
+    const std::vector pages{PageSize{side, side}, PageSize{side / 2, side},
+                            PageSize{side, side / 2}};
+    const auto packing = pack_into(shapes, pages);
+    ASSERT_TRUE(packing.has_value());
+    expect_valid(shapes, *packing);
+}
+
+TEST(PackInto, SaysSoWhenPagesAreTooSmall) {
+    const auto shapes = log_normal_shapes(1000, 10, 0.4);
+    EXPECT_FALSE(pack_into(shapes, std::vector{PageSize{192, 192}}).has_value());
+    std::int64_t needed = 0;
+    for (const PatchShape& shape : shapes) needed += shape.num_texels();
+    // room for all texels, but for no packing that there is
+    const int height = static_cast<int>(needed / 256 + 1);
+    EXPECT_FALSE(pack_into(shapes, std::vector{PageSize{256, height}}).has_value());
+    EXPECT_THROW(pack_into(shapes, std::vector{PageSize{4, 4}}), Error);
+    EXPECT_THROW(pack_into(shapes, std::vector{PageSize{0, 100}}), Error);
+}
+
+TEST(PackInto, FillsAPageToTheLastTexelWhereShapesAllow) {
+    const auto ones = repeated(64 * 64, need_set({}).shape);
+    const auto packing = pack_into(ones, std::vector{PageSize{64, 64}});
+    ASSERT_TRUE(packing.has_value());
+    expect_valid(ones, *packing);
+    EXPECT_EQ(packing->fill(), 1.0);
+}
+
+}  // namespace
+}  // namespace pointbake

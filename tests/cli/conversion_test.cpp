@@ -1,0 +1,230 @@
+// Whole conversions from file to file, and what they say about themselves.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "run_program.h"
+
+namespace pointbake::cli {
+namespace {
+
+using Json = nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A folder with a small coloured sphere in it.
+class Conversion : public testing::Test {
+ protected:
+    Conversion() { folder_.write("in.ply", ascii_ply(sphere_points(3000))); }
+
+    ProgramRun run(const std::vector<std::string>& words) const {
+        return run_program(folder_, words);
+    }
+    ProgramRun run_well(const std::vector<std::string>& words) const {
+        ProgramRun done = run(words);
+        EXPECT_EQ(done.exit_code, 0) << testing::PrintToString(words) << "\n" << done.err;
+        return done;
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(Conversion, WritesAGlbBesideTheInputAndASummaryToStderr) {
+    const ProgramRun done = run_well({"in.ply"});
+    EXPECT_THAT(folder_.files(), ElementsAre("in.glb", "in.ply"));
+    EXPECT_THAT(folder_.read("in.glb"), testing::StartsWith("glTF"));
+    EXPECT_EQ(done.out, "");
+    EXPECT_THAT(done.err, HasSubstr("3,000 points"));
+    EXPECT_THAT(done.err, HasSubstr("wrote in.glb"));
+    EXPECT_THAT(done.err, testing::Not(HasSubstr("\033"))) << "a bar off the terminal";
+}
+
+TEST_F(Conversion, OverwritesAnOldOutput) {
+    folder_.write("out.glb", "old");
+    run_well({"in.ply", "out.glb", "--triangles", "200"});
+    EXPECT_THAT(folder_.read("out.glb"), testing::StartsWith("glTF"));
+}
+
+TEST_F(Conversion, TheConvertWordAndNamedFilesDoTheSame) {
+    run_well({"in.ply", "a.glb", "--triangles", "300"});
+    run_well({"convert", "-o", "b.glb", "-i", "in.ply", "--triangles=300"});
+    EXPECT_EQ(folder_.read("a.glb"), folder_.read("b.glb"));
+}
+
+TEST_F(Conversion, SeveralInputsAreOneCloud) {
+    const std::vector<Vec3d> points = sphere_points(3000);
+    const std::vector<Vec3d> first(points.begin(), points.begin() + 1000);
+    std::vector<Vec3d> second(points.begin() + 1000, points.end());
+    folder_.write("first.ply", ascii_ply(first));
+    folder_.write("second.ply", ascii_ply(second));
+    run_well({"in.ply", "whole.glb", "--triangles", "300"});
+    run_well({"first.ply", "second.ply", "parts.glb", "--triangles", "300"});
+    EXPECT_EQ(folder_.read("whole.glb"), folder_.read("parts.glb"));
+
+    second.push_back(second[3]);
+    second.push_back(first[7]);
+    second.push_back({std::numeric_limits<double>::infinity(), 0.0, 0.0});
+    folder_.write("second.ply", ascii_ply(second));
+    const ProgramRun done =
+        run_well({"-i", "first.ply", "-i", "second.ply", "-o", "parts.glb", "--triangles", "300",
+                  "--report", "-", "--write-points", "rows.ply"});
+    const Json input = Json::parse(done.out)["input"];
+    EXPECT_EQ(input["rows"], 3003);
+    EXPECT_EQ(input["points"], 3000);
+    EXPECT_EQ(input["defects"]["merged"], 2);
+    EXPECT_EQ(input["defects"]["non_finite"], 1);
+    EXPECT_THAT(folder_.read("rows.ply"), HasSubstr("element vertex 3003"));
+}
+
+TEST_F(Conversion, GivesTheSameBytesForAnyNumberOfThreads) {
+    std::vector<Json> reports;
+    for (const char* threads : {"1", "2", "7"}) {
+        const ProgramRun done =
+            run_well({"in.ply", "out.glb", "--threads", threads, "--report", "-"});
+        reports.push_back(Json::parse(done.out));
+        reports.back().erase("timings");
+        folder_.write(threads, folder_.read("out.glb"));
+    }
+    EXPECT_EQ(folder_.read("1"), folder_.read("7"));
+    EXPECT_EQ(folder_.read("1"), folder_.read("2"));
+    EXPECT_EQ(reports[0], reports[1]);
+    EXPECT_EQ(reports[0], reports[2]);
+}
+
+TEST_F(Conversion, ReportAgreesWithTheFiles) {
+    const ProgramRun done = run_well({"in.ply", "out.glb", "--report", "report.json", "--triangles",
+                                      "400", "--texels", "65536"});
+    EXPECT_EQ(done.out, "");
+    const Json report = Json::parse(folder_.read("report.json"));
+    EXPECT_EQ(report["input"]["points"], 3000);
+    EXPECT_LE(report["simplify"]["triangles"], 400);
+    EXPECT_LE(report["atlas"]["texels"], 65536);
+    EXPECT_EQ(report["write"]["bytes"], folder_.read("out.glb").size());
+    EXPECT_EQ(report["options"]["triangles"], 400);
+    EXPECT_TRUE(report["simplify"]["bound"].is_null());
+    EXPECT_LE(report["simplify"]["point_distances"]["max"],
+              report["simplify"]["points_to_mesh"]["max"].get<double>() + 1e-6);
+    std::vector<std::string> stages;
+    for (const Json& time : report["timings"]["stages"]) stages.push_back(time["stage"]);
+    EXPECT_THAT(stages,
+                ElementsAre("load", "attributes", "reconstruct", "simplify", "texture", "write"));
+}
+
+TEST_F(Conversion, QuietSaysNothing) { EXPECT_EQ(run_well({"in.ply", "out.glb", "-q"}).err, ""); }
+
+TEST_F(Conversion, WorkDirectoryHoldsEveryStage) {
+    run_well({"in.ply", "out.glb", "--work-dir", "a/work"});
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "a/work")) {
+        names.push_back(entry.path().filename().string());
+        EXPECT_GT(entry.file_size(), 0U) << names.back();
+    }
+    EXPECT_THAT(names, testing::UnorderedElementsAre(
+                           "options.json", "1-attributes.ply", "2-reconstruct.ply",
+                           "3-simplify.ply", "4-texture.glb", "4-texture-0.png", "report.json"));
+    EXPECT_EQ(folder_.read("a/work/4-texture.glb"), folder_.read("out.glb"));
+    EXPECT_TRUE(Json::parse(folder_.read("a/work/options.json")).is_object());
+    EXPECT_TRUE(Json::parse(folder_.read("a/work/report.json")).is_object());
+}
+
+TEST_F(Conversion, StopsAfterTheStageThatIsAskedFor) {
+    run_well({"in.ply", "light.ply", "--stop-after", "simplify"});
+    EXPECT_THAT(folder_.read("light.ply"), HasSubstr("element face"));
+    run_well({"in.ply", "points.ply", "--stop-after", "attributes"});
+    EXPECT_THAT(folder_.read("points.ply"), HasSubstr("nx"));
+    EXPECT_THAT(folder_.read("points.ply"), testing::Not(HasSubstr("element face")));
+    run_well({"in.ply", "loaded.ply", "--stop-after", "load"});
+    EXPECT_THAT(folder_.read("loaded.ply"), HasSubstr("element vertex 3000"));
+    run_well({"in.ply", "--stop-after", "reconstruct", "--work-dir", "work"});
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "work/2-reconstruct.ply"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "work/3-simplify.ply"));
+}
+
+TEST_F(Conversion, StagesOnFilesMakeUpTheWhole) {
+    run_well({"reconstruct", "in.ply", "dense.ply"});
+    run_well({"simplify", "dense.ply", "light.ply", "--triangles", "500", "--points", "in.ply"});
+    run_well({"simplify", "dense.ply", "lone.ply", "--triangles", "500"});
+    run_well({"texture", "light.ply", "in.ply", "model.glb"});
+    EXPECT_THAT(folder_.read("lone.ply"), HasSubstr("element face"));
+    EXPECT_THAT(folder_.read("model.glb"), testing::StartsWith("glTF"));
+    const ProgramRun info = run_well({"info", "light.ply", "--json"});
+    EXPECT_LE(Json::parse(info.out)["faces"], 500);
+}
+
+TEST_F(Conversion, SampleMakesPointsOfTheModelAgain) {
+    run_well({"in.ply", "out.glb"});
+    run_well({"sample", "out.glb", "again.ply", "--points", "1000"});
+    const Json info = Json::parse(run_well({"info", "again.ply", "--json"}).out);
+    EXPECT_NEAR(info["points"].get<double>(), 1000.0, 200.0);
+    EXPECT_NEAR(info["diagonal"].get<double>(), 2.0 * std::sqrt(3.0), 0.1);
+    EXPECT_THAT(folder_.read("again.ply"), HasSubstr("red"));
+}
+
+TEST_F(Conversion, AMissedBoundIsAWarningAndUnderStrictAnError) {
+    const std::vector<std::string> words = {"in.ply",           "out.glb", "--triangles", "50",
+                                            "--geometry-error", "0.001%",  "--report",    "r.json"};
+    const ProgramRun lax = run_well(words);
+    EXPECT_THAT(lax.err, HasSubstr("pointbake: warning: "));
+    EXPECT_FALSE(Json::parse(folder_.read("r.json"))["simplify"]["bound_met"]);
+    std::filesystem::remove(folder_ / "out.glb");
+    std::vector<std::string> strict = words;
+    strict.emplace_back("--strict");
+    EXPECT_EQ(run(strict).exit_code, 5);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.glb"));
+}
+
+TEST_F(Conversion, DryRunPlansAndWritesNothing) {
+    const ProgramRun done = run_well({"in.ply", "out.glb", "--dry-run", "--triangles", "500",
+                                      "--report", "r.json", "--work-dir", "work"});
+    EXPECT_THAT(done.out,
+                testing::AllOf(HasSubstr("3,000"), HasSubstr("500 triangles"), HasSubstr("MB")));
+    EXPECT_THAT(folder_.files(), ElementsAre("in.ply"));
+}
+
+TEST_F(Conversion, WritePointsAccountsForEveryRow) {
+    std::vector<Vec3d> points = sphere_points(1000);
+    points.push_back(points[0]);
+    points.push_back({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
+    folder_.write("dirty.ply", ascii_ply(points));
+    const ProgramRun done = run_well({"dirty.ply", "--write-points", "rows.ply", "--report", "-"});
+    EXPECT_THAT(folder_.read("rows.ply"), HasSubstr("element vertex 1002"));
+    const Json defects = Json::parse(done.out)["input"]["defects"];
+    EXPECT_EQ(defects["merged"], 1);
+    EXPECT_EQ(defects["non_finite"], 1);
+}
+
+TEST_F(Conversion, JsonProgressIsOneObjectPerLineAndGrows) {
+    const ProgramRun done = run_well({"in.ply", "out.glb", "--progress", "json", "-q"});
+    std::istringstream lines(done.err);
+    double last = 0.0;
+    int count = 0;
+    for (std::string line; std::getline(lines, line); ++count) {
+        const Json step = Json::parse(line);
+        EXPECT_GE(step["total"].get<double>(), last) << line;
+        last = step["total"];
+    }
+    EXPECT_GE(count, 4);
+}
+
+TEST_F(Conversion, InfoTellsWhatIsInAFile) {
+    const ProgramRun done = run_well({"info", "in.ply"});
+    EXPECT_THAT(done.out, testing::AllOf(HasSubstr("3,000"), HasSubstr("ascii"),
+                                         HasSubstr("colors"), HasSubstr("spacing")));
+    const Json json = Json::parse(run_well({"info", "in.ply", "--json"}).out);
+    EXPECT_EQ(json["points"], 3000);
+    EXPECT_NEAR(json["extent"][0].get<double>(), 2.0, 0.01);
+}
+
+TEST_F(Conversion, DemoMakesModelPointsAndPicture) {
+    run_well({"demo", "made/here/demo.glb", "--points", "5000"});
+    EXPECT_THAT(folder_.read("made/here/demo.glb"), testing::StartsWith("glTF"));
+    EXPECT_THAT(folder_.read("made/here/demo.ply"), testing::StartsWith("ply"));
+    EXPECT_THAT(folder_.read("made/here/demo.png"), HasSubstr("PNG"));
+}
+
+}  // namespace
+}  // namespace pointbake::cli

@@ -1,0 +1,161 @@
+#include "pointbake/texture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "pointbake/error.h"
+#include "texture/planes.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::int64_t kNoBudget = std::numeric_limits<std::int64_t>::max();
+
+Vec3d wave(double x, double y) {
+    return {0.5 + 0.3 * std::sin(12.0 * x), 0.5 + 0.3 * std::cos(9.0 * y),
+            0.5 + 0.2 * std::sin(8.0 * (x + y))};
+}
+
+double rms_against(const TexturedMesh& model, const std::function<Vec3d(double, double)>& truth) {
+    double sum = 0.0;
+    int count = 0;
+    for (int j = 2; j < 48; ++j) {
+        for (int i = 2; i < 48; ++i) {
+            const double x = (i + 0.3) / 50, y = (j + 0.6) / 50;
+            const Index t = y <= x ? 0 : 1;
+            const Vec3d b = t == 0 ? Vec3d{1 - x, x - y, y} : Vec3d{1 - y, x, y - x};
+            const Vec3d d = color_at(model, t, b) - truth(x, y) * 255.0;
+            sum += squared_length(d) / 3.0;
+            ++count;
+        }
+    }
+    return std::sqrt(sum / count);
+}
+
+TEST(Texture, ConstantColourCostsOneTexelPerTriangleAndIsExact) {
+    const Painted p = painted_square(40, [](double, double) { return Vec3d{0.2, 0.4, 0.8}; });
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TexturePlan plan = baker.plan(4.0, kNoBudget);
+    EXPECT_EQ(plan.num_needed, 2);
+    const BakedTexture baked = bake_apart(baker, plan);
+    const Vec3d c = color_at(baked.model, 0, {0.3, 0.3, 0.4});
+    EXPECT_NEAR(c.x, 0.2 * 255, 0.51);
+    EXPECT_NEAR(c.y, 0.4 * 255, 0.51);
+    EXPECT_NEAR(c.z, 0.8 * 255, 0.51);
+}
+
+TEST(Texture, LinearRampStaysSmall) {
+    const auto ramp = [](double x, double y) { return Vec3d{0.4 + 0.1 * x, 0.4 + 0.1 * y, 0.45}; };
+    const Painted p = painted_square(50, ramp);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TexturePlan plan = baker.plan(1.0, kNoBudget);
+    EXPECT_LT(plan.num_needed, 200);
+    EXPECT_LT(rms_against(bake_apart(baker, plan).model, ramp), 1.5);
+}
+
+TEST(Texture, MeetsItsBoundAgainstTheTruth) {
+    const Painted p = painted_square(80, wave);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TexturePlan plan = baker.plan(2.0, kNoBudget);
+    const TextureReport report = baker.report(plan, 2.0);
+    EXPECT_TRUE(report.bound_met);
+    EXPECT_LE(report.error_max, 2.0);
+    EXPECT_LT(rms_against(bake_apart(baker, plan).model, wave), 2.5);
+}
+
+TEST(Texture, TighterBoundNeverNeedsFewerTexels) {
+    const Painted p = painted_square(60, wave);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    std::int64_t before = 0;
+    for (double bound : {16.0, 8.0, 4.0, 2.0, 1.0}) {
+        const std::int64_t needed = baker.plan(bound, kNoBudget).num_needed;
+        EXPECT_GE(needed, before) << "bound " << bound;
+        before = needed;
+    }
+}
+
+TEST(Texture, NeverNeedsMoreThanTheBudget) {
+    const Painted p = painted_square(80, wave);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    for (std::int64_t budget : {50, 200, 1000, 4000}) {
+        EXPECT_LE(baker.plan(HUGE_VAL, budget).num_needed, budget);
+    }
+}
+
+TEST(Texture, BothSidesOfAnEdgeShowTheSameColour) {
+    const Painted p = painted_square(80, wave);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TexturedMesh model = bake_apart(baker, baker.plan(1.0, kNoBudget)).model;
+    for (double s = 0.05; s < 1.0; s += 0.1) {
+        const Vec3d a = color_at(model, 0, {1 - s, 0.0, s}),
+                    b = color_at(model, 1, {1 - s, s, 0.0});
+        EXPECT_LT(length(a - b), 6.0) << "at " << s;
+    }
+}
+
+TEST(Texture, ScalingTheModelChangesNothing) {
+    Painted p = painted_square(40, wave);
+    const TextureBaker small(p.mesh, p.cloud, p.owners, {}, {});
+    const BakedTexture a = bake_apart(small, small.plan(3.0, kNoBudget));
+    Painted q = p;
+    for (Vec3d& x : q.mesh.positions) x = x * 1024.0;
+    for (Vec3d& x : q.cloud.positions) x = x * 1024.0;
+    for (float& x : q.cloud.areas) x *= 1024.0F * 1024.0F;
+    const TextureBaker large(q.mesh, q.cloud, q.owners, {}, {});
+    const BakedTexture b = bake_apart(large, large.plan(3.0, kNoBudget));
+    ASSERT_EQ(a.model.images.size(), b.model.images.size());
+    for (std::size_t i = 0; i < a.model.images.size(); ++i)
+        EXPECT_EQ(a.model.images[i].pixels, b.model.images[i].pixels);
+}
+
+TEST(Texture, SameBytesForAnyNumberOfThreads) {
+    const Painted p = painted_square(60, wave);
+    const Context one{.threads = 1}, seven{.threads = 7};
+    const TextureBaker a(p.mesh, p.cloud, p.owners, {}, one),
+        b(p.mesh, p.cloud, p.owners, {}, seven);
+    const BakedTexture x = bake_apart(a, a.plan(2.0, kNoBudget), one),
+                       y = bake_apart(b, b.plan(2.0, kNoBudget), seven);
+    for (std::size_t i = 0; i < x.model.images.size(); ++i)
+        EXPECT_EQ(x.model.images[i].pixels, y.model.images[i].pixels);
+}
+
+TEST(Texture, TrianglesWithoutPointsTakeTheColourAround) {
+    Painted p = painted_square(30, [](double, double) { return Vec3d{0.9, 0.1, 0.1}; });
+    for (std::size_t i = 0; i < p.owners.size(); ++i) {
+        if (p.owners[i] == 1) p.owners[i] = kInvalidIndex;
+    }
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
+    EXPECT_NEAR(color_at(baked.model, 1, {0.2, 0.2, 0.6}).x, 0.9 * 255, 1.0);
+}
+
+TEST(Texture, NormalMapOfAFlatSquareIsFlat) {
+    Painted p = painted_square(30, [](double, double) { return Vec3d{}; });
+    p.cloud.colors.clear();
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
+    const Image& page = baked.model.images[0];
+    EXPECT_NEAR(page.pixels[0], 128, 1);
+    EXPECT_NEAR(page.pixels[1], 128, 1);
+    EXPECT_NEAR(page.pixels[2], 255, 1);
+}
+
+TEST(Texture, CancelsWhenAsked) {
+    const Painted p = painted_square(30, wave);
+    std::stop_source source;
+    source.request_stop();
+    Context context;
+    context.stop = source.get_token();
+    EXPECT_THROW(TextureBaker(p.mesh, p.cloud, p.owners, {}, context), Error);
+}
+
+TEST(Texture, CloudWithoutAreasIsRefused) {
+    Painted p = painted_square(10, wave);
+    p.cloud.areas.clear();
+    EXPECT_THROW(TextureBaker(p.mesh, p.cloud, p.owners, {}, {}), Error);
+}
+
+}  // namespace
+}  // namespace pointbake

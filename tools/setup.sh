@@ -1,0 +1,47 @@
+#!/bin/sh
+# Installs what is missing to build (setup.sh build) or to build and test (setup.sh test) on Debian 12.
+set -eu
+cd "$(dirname "$0")/.."
+mkdir -p build
+
+packages="g++ cmake ninja-build ccache pkg-config libcgal-dev libtbb-dev libeigen3-dev libnanoflann-dev
+          libdeflate-dev libspng-dev libturbojpeg0-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
+[ "${1:-build}" = test ] && packages="$packages libgtest-dev libgmock-dev python3"
+
+missing=""
+for package in $packages; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing="$missing $package"
+done
+if [ -n "$missing" ]; then
+    if [ "$(id -u)" = 0 ]; then
+        as_root=""
+    elif command -v sudo >/dev/null 2>&1; then
+        as_root="sudo"
+    else
+        echo "setup: these packages are missing, and there is neither root nor sudo to install them:$missing" >&2
+        echo "setup: ask your administrator for: apt-get install --no-install-recommends$missing" >&2
+        exit 1
+    fi
+    echo "setup: installing$missing"
+    log=build/setup.log
+    export DEBIAN_FRONTEND=noninteractive
+    if ! { $as_root apt-get update && $as_root apt-get install -y --no-install-recommends $missing; } >"$log" 2>&1; then
+        tail -n 20 "$log" >&2
+        echo "setup: installing failed; the whole log is in $log" >&2
+        exit 1
+    fi
+fi
+
+# The glTF validator runs where there is Node; without it its tests say that they were skipped.
+if [ "${1:-build}" = test ] && command -v npm >/dev/null 2>&1; then
+    lock=tests/support/package-lock.json
+    if [ -f "$lock" ] && ! cmp -s "$lock" build/node/package-lock.json; then
+        mkdir -p build/node
+        cp tests/support/package.json "$lock" build/node/
+        echo "setup: installing the glTF validator"
+        (cd build/node && npm ci --no-audit --no-fund) >build/npm.log 2>&1 || {
+            rm -f build/node/package-lock.json
+            echo "setup: the glTF validator could not be installed (build/npm.log); its tests will be skipped" >&2
+        }
+    fi
+fi
