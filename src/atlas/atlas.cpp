@@ -18,50 +18,43 @@ namespace {
 
 // pack() tries pages of growing size, from the sum of the shapes on. A step is this share of what
 // the last pages had no room for (more could be too much, as larger pages also fill better), and at
-// least kLeastGrowth.
+// least kLeastGrowth. Once shapes fit, pages between the last two sizes are tried.
 constexpr double kStep = 0.8;
 constexpr double kLeastGrowth = 1.004;
+constexpr int kNumRefinements = 4;
 
-// A style of rows that leaves more than this share of the texels unplaced is not worth repairing,
-// neither by gaps nor by another style: more rarely fits in the end.
+// Rows that leave more than this share of the texels unplaced are not worth repairing by gaps: more
+// hardly ever fit.
 constexpr double kHopeless = 0.02;
+// Shapes of so few texels do not count: gaps hold them as well as rows do.
+constexpr int kTiny = 8;
 
-// Tried in turn; mostly the first is the best, and the others gain a percent where it is not.
-constexpr RowStyle kStyles[] = {{}, {2.0, 0.8}};
-
-std::int64_t num_unplaced_texels(const ShapeSet& shapes, const Layout& layout) {
+std::int64_t num_unplaced_texels(const ShapeSet& shapes, const Layout& layout, int larger_than) {
     std::int64_t sum = 0;
     for (int rank = 0; rank < shapes.size(); ++rank)
-        if (layout.spot(rank).page == kUnplaced) sum += shapes[rank].num_texels;
+        if (layout.spot(rank).page == kUnplaced && shapes[rank].num_texels > larger_than)
+            sum += shapes[rank].num_texels;
     return sum;
 }
 
 struct Attempt {
+    std::vector<PageSize> pages;
     std::optional<Layout> layout;   // of all shapes, or nothing
-    std::int64_t num_unplaced = 0;  // texels for which the best style had no room
+    std::int64_t num_unplaced = 0;  // texels for which there was no room in rows
 };
 
-Attempt try_pages(const ShapeSet& shapes, std::span<const PageSize> pages,
-                  const AtlasOptions& options, const Context& context) {
-    Attempt out{std::nullopt, shapes.num_texels()};
-    const auto hopeless =
-        static_cast<std::int64_t>(kHopeless * static_cast<double>(shapes.num_texels()));
-    for (const RowStyle& style : kStyles) {
-        Layout layout(pages, shapes.size());
-        const bool is_paper = options.packer == Packer::kAppendixA;
-        if (is_paper)
-            pack_appendix_a(shapes, layout, context);
-        else
-            pack_rows(shapes, style, layout, context);
-        const std::int64_t unplaced = num_unplaced_texels(shapes, layout);
-        out.num_unplaced = std::min(out.num_unplaced, unplaced);
-        if (unplaced == 0 ||
-            (!is_paper && unplaced <= hopeless && fill_gaps(shapes, layout, context))) {
-            out.layout = std::move(layout);
-            return out;
-        }
-        if (is_paper || unplaced > hopeless) break;
-    }
+Attempt try_pages(const ShapeSet& shapes, std::vector<PageSize> pages, const AtlasOptions& options,
+                  const Context& context) {
+    Layout layout(pages, shapes.size());
+    const bool is_paper = options.packer == Packer::kAppendixA;
+    (is_paper ? pack_appendix_a : pack_rows)(shapes, layout, context);
+    Attempt out{std::move(pages), std::nullopt, num_unplaced_texels(shapes, layout, 0)};
+    bool is_complete = out.num_unplaced == 0;
+    if (!is_complete && !is_paper &&
+        static_cast<double>(num_unplaced_texels(shapes, layout, kTiny)) <=
+            kHopeless * static_cast<double>(shapes.num_texels()))
+        is_complete = fill_gaps(shapes, layout, context);
+    if (is_complete) out.layout = std::move(layout);
     return out;
 }
 
@@ -97,10 +90,9 @@ std::optional<Packing> pack_into(std::span<const PatchShape> shapes,
     validate(shapes, largest);
     check_cancelled(context);
     const ShapeSet set(shapes);
-    std::int64_t room = 0;
-    for (const PageSize& page : pages) room += num_texels(page);
-    if (set.num_texels() > room) return std::nullopt;
-    const Attempt attempt = try_pages(set, pages, options, context);
+    std::vector<PageSize> sizes(pages.begin(), pages.end());
+    if (set.num_texels() > num_texels(sizes)) return std::nullopt;
+    const Attempt attempt = try_pages(set, std::move(sizes), options, context);
     if (!attempt.layout) return std::nullopt;
     return to_packing(set, *attempt.layout);
 }
@@ -114,20 +106,36 @@ Packing pack(std::span<const PatchShape> shapes, const AtlasOptions& options,
     const ShapeSet set(shapes);
     if (set.size() == 0) return {};
     const PageSize smallest{set.max_width(), set.max_height()};
+    const auto try_texels = [&](double texels) {
+        return try_pages(
+            set, pages_that_hold(static_cast<std::int64_t>(std::ceil(texels)), smallest, options),
+            options, context);
+    };
     const auto needed = static_cast<double>(set.num_texels());
-    std::int64_t tried = 0;
-    for (double texels = needed;;) {
-        const std::vector<PageSize> pages =
-            pages_that_hold(static_cast<std::int64_t>(std::ceil(texels)), smallest, options);
-        const std::int64_t room = num_texels(pages);
-        texels *= kLeastGrowth;
-        if (room == tried) continue;
-        tried = room;
-        const Attempt attempt = try_pages(set, pages, options, context);
-        if (attempt.layout) return to_packing(set, *attempt.layout);
-        const double missing = static_cast<double>(attempt.num_unplaced) / needed;
-        texels = std::max(texels, static_cast<double>(room) * (1.0 + kStep * missing));
+    double too_few = 0.0;  // rooms that pages of this many texels have not
+    Attempt best = try_texels(needed);
+    while (!best.layout) {
+        too_few = static_cast<double>(num_texels(best.pages));
+        const double missing = static_cast<double>(best.num_unplaced) / needed;
+        best = try_texels(too_few * std::max(kLeastGrowth, 1.0 + kStep * missing));
     }
+    for (int i = 0; i < kNumRefinements && too_few > 0.0; ++i) {
+        const auto room = static_cast<double>(num_texels(best.pages));
+        const double middle = 0.5 * (too_few + room);
+        if (room < kLeastGrowth * too_few) break;
+        const std::vector<PageSize> pages =
+            pages_that_hold(static_cast<std::int64_t>(middle), smallest, options);
+        if (num_texels(pages) == num_texels(best.pages)) {
+            too_few = middle;
+            continue;
+        }
+        Attempt attempt = try_pages(set, pages, options, context);
+        if (attempt.layout)
+            best = std::move(attempt);
+        else
+            too_few = static_cast<double>(num_texels(pages));
+    }
+    return to_packing(set, *best.layout);
 }
 
 }  // namespace pointbake

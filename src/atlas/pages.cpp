@@ -50,6 +50,31 @@ PageSize largest_page_within(std::int64_t texels, const std::vector<int>& sides)
         sides, [&](PageSize page) { return num_texels(page) <= texels; }, std::greater<>{});
 }
 
+bool is_within(PageSize inner, PageSize outer) {
+    return inner.width <= outer.width && inner.height <= outer.height;
+}
+
+// Of width 0 if none holds that many.
+PageSize smallest_page_for(std::int64_t texels, PageSize smallest, const std::vector<int>& sides) {
+    const auto holds = [&](PageSize page) {
+        return num_texels(page) >= texels && is_within(smallest, page);
+    };
+    return best_page(sides, holds, std::less<>{});
+}
+
+// `count` pages below the number of texels, and one more that holds the rest; none if that is not
+// possible.
+std::vector<PageSize> split_page(std::int64_t texels, int count, const std::vector<int>& sides) {
+    std::vector<PageSize> parts;
+    for (int i = 0; i < count; ++i) {
+        if (texels < kSmallestPage) return {};
+        parts.push_back(largest_page_within(texels, sides));
+        texels -= num_texels(parts.back());
+    }
+    if (texels > 0) parts.push_back(smallest_page_for(texels, {}, sides));
+    return parts;
+}
+
 }  // namespace
 
 void validate(const AtlasOptions& options) {
@@ -76,12 +101,18 @@ std::vector<PageSize> pages_that_hold(std::int64_t texels, PageSize smallest,
     const PageSize full{all.back(), all.back()};
     std::vector<PageSize> pages;
     for (; texels > num_texels(full); texels -= num_texels(full)) pages.push_back(full);
-    const auto holds = [&](PageSize page) {
-        return num_texels(page) >= texels && page.width >= smallest.width &&
-               page.height >= smallest.height;
-    };
-    pages.push_back(best_page(all, holds, std::less<>{}));
-    if (pages.back().width == 0) pages.back() = full;
+    // once there is a full page, the others need not take the largest shapes
+    if (!pages.empty()) smallest = {};
+    const PageSize one = smallest_page_for(texels, smallest, all);
+    std::vector<PageSize> best{one.width > 0 ? one : full};
+    for (int split = 1; split < kMaxSplit; ++split) {
+        const std::vector<PageSize> parts = split_page(texels, split, all);
+        if (!parts.empty() && is_within(smallest, parts.front()) &&
+            static_cast<double>(num_texels(parts)) <=
+                kEnough * static_cast<double>(num_texels(best)))
+            best = parts;
+    }
+    pages.insert(pages.end(), best.begin(), best.end());
     return pages;
 }
 

@@ -14,6 +14,15 @@
 namespace pointbake {
 namespace {
 
+// Weight of the texels above a shape that is lower than its row, against those wasted beside it:
+// they are narrow and hold but small shapes, and a row that is not used up to its height costs its
+// width.
+constexpr double kHeightLoss = 3.0;
+
+// Shapes lower than this share of the row's height wait for a row of their own, often in what this
+// one leaves over.
+constexpr double kLowestShare = 0.6;
+
 // Candidates tried per shape placed, those of like lean first. 50 cost half a percent of fill, 600
 // gain a tenth.
 constexpr int kTrials = 200;
@@ -71,11 +80,8 @@ Row slice(const Row& row, int begin, int height, int limit) {
 
 class RowPacker {
  public:
-    RowPacker(const ShapeSet& shapes, const RowStyle& style, Layout& layout)
-        : shapes_(shapes),
-          style_(style),
-          layout_(layout),
-          index_(shapes, kNumPoses, [&](int rank, int pose) {
+    RowPacker(const ShapeSet& shapes, Layout& layout)
+        : shapes_(shapes), layout_(layout), index_(shapes, kNumPoses, [&](int rank, int pose) {
               return lean(shapes.left_profile(rank, pose), shapes[rank].height);
           }) {
         for (int rank = 0; rank < shapes.size(); ++rank)
@@ -137,7 +143,7 @@ class RowPacker {
         Candidate best;
         int num_tried = 0;
         const auto& classes = index_.classes();
-        const double lowest = row.height * style_.lowest_share;
+        const double lowest = row.height * kLowestShare;
         for (std::size_t c = tallest_; c < classes.size() && classes[c].height >= lowest; ++c) {
             if (classes[c].num_left == 0) continue;
             const int trials = tries_all ? std::numeric_limits<int>::max()
@@ -163,7 +169,7 @@ class RowPacker {
             if (x + width > row.limit) continue;
             const std::int64_t waste = std::int64_t{c.height} * x + profile_sum(*e) - edge_sum;
             const double score =
-                static_cast<double>(waste) + style_.height_loss * (row.height - c.height) * width;
+                static_cast<double>(waste) + kHeightLoss * (row.height - c.height) * width;
             if (score < best.score) best = {class_index, e->rank, e->pose, x, score};
         }
         return trials;
@@ -218,7 +224,6 @@ class RowPacker {
     }
 
     const ShapeSet& shapes_;
-    const RowStyle style_;
     Layout& layout_;
     MatchIndex index_;
     std::vector<std::int64_t> profile_sums_;  // by rank, left and right
@@ -229,9 +234,8 @@ class RowPacker {
 
 }  // namespace
 
-void pack_rows(const ShapeSet& shapes, const RowStyle& style, Layout& layout,
-               const Context& context) {
-    RowPacker(shapes, style, layout).run(context);
+void pack_rows(const ShapeSet& shapes, Layout& layout, const Context& context) {
+    RowPacker(shapes, layout).run(context);
 }
 
 }  // namespace pointbake

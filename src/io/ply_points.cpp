@@ -34,9 +34,10 @@ bool is_8bit(PlyType type) { return type == PlyType::kInt8 || type == PlyType::k
 
 /// Names of values that must never be averaged.
 bool is_category_name(std::string_view name) {
-    constexpr std::array<std::string_view, 12> kNames{
-        "class", "classification", "label",  "scan",      "category",        "segment",
-        "flags", "instance",       "object", "object_id", "point_source_id", "user_data"};
+    constexpr std::array<std::string_view, 13> kNames{
+        "class",           "classification", "label",    "scan",   "category",
+        "segment",         "flags",          "instance", "object", "object_id",
+        "point_source_id", "user_data",      "row"};
     if (name.starts_with("scalar_")) name.remove_prefix(7);  // CloudCompare's prefix
     return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
@@ -149,6 +150,8 @@ class PointReader {
             axis_u_ = take(u);
             axis_v_ = take(v);
         }
+        sensor_ = take({"sensor_x", "sensor_y", "sensor_z"});
+        if (sensor_) return;
         sensor_ = take({"vx", "vy", "vz"});
         if (sensor_) out_.notes.emplace_back("vx, vy, vz read as the direction towards the sensor");
     }

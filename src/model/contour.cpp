@@ -270,71 +270,92 @@ struct CrossingTable {
     }
 };
 
-void add_cell(const Solid& solid, const Lattice& lattice, const CrossingTable& table,
-              const std::vector<Crossing>& crossings, std::array<int, 3> cell,
-              const std::array<int, 12>& label, EdgeVertices& vertices,
-              std::vector<Vec3d>& positions) {
-    vertices.fill(kInvalidIndex);
-    std::vector<const Crossing*> members;
-    members.reserve(12);
-    for (int sheet = 0; sheet < 12; ++sheet) {
-        members.clear();
-        for (int edge = 0; edge < 12; ++edge) {
-            if (label[static_cast<std::size_t>(edge)] != sheet) continue;
-            const auto axis = static_cast<std::size_t>(edge / 4);
-            std::array<int, 3> at = cell;
-            at[(axis + 1) % 3] += edge & 1;
-            at[(axis + 2) % 3] += (edge >> 1) & 1;
-            members.push_back(&crossings[table.index[axis][lattice.at(at)]]);
-            vertices[static_cast<std::size_t>(edge)] = static_cast<Index>(positions.size());
-        }
-        if (members.empty()) continue;
-        positions.push_back(place_vertex(solid, members, lattice.place(cell[0], cell[1], cell[2]),
-                                         lattice.grid.spacing));
-    }
-}
-
-Sheets find_sheets(const Solid& solid, const Lattice& lattice, const std::vector<double>& values,
-                   const std::vector<Crossing>& crossings, const Context& context) {
-    const CrossingTable table(lattice, crossings);
-    std::vector<std::array<int, 12>> labels;
-    for (unsigned inside = 0; inside < 256; ++inside) labels.push_back(label_sheets(inside));
-    const auto layers = static_cast<std::size_t>(lattice.size[2] - 1);
-    struct Part {
-        std::vector<std::size_t> places;
+// Finds the sheets of one layer of cells after the other.
+class SheetFinder {
+ public:
+    struct Layer {
+        std::vector<std::size_t> places;  // lattice points of the cells with surface
         std::vector<EdgeVertices> cells;
         std::vector<Vec3d> positions;
     };
-    std::vector<Part> parts(layers);
-    parallel_for(context, layers, 1, [&](std::size_t layer, std::size_t) {
-        Part& part = parts[layer];
-        const int k = static_cast<int>(layer);
-        for (int j = 0; j + 1 < lattice.size[1]; ++j)
-            for (int i = 0; i + 1 < lattice.size[0]; ++i) {
-                unsigned inside = 0;
-                for (unsigned c = 0; c < 8; ++c)
-                    if (values[lattice.at(i + static_cast<int>(c & 1),
-                                          j + static_cast<int>(c >> 1 & 1),
-                                          k + static_cast<int>(c >> 2))] < 0.0)
-                        inside |= 1U << c;
+
+    SheetFinder(const Solid& solid, const Lattice& lattice, const std::vector<double>& values,
+                const std::vector<Crossing>& crossings)
+        : solid_(solid),
+          lattice_(lattice),
+          values_(values),
+          crossings_(crossings),
+          table_(lattice, crossings) {
+        for (unsigned inside = 0; inside < 256; ++inside) labels_.push_back(label_sheets(inside));
+    }
+    Layer find(int k) const {
+        Layer layer;
+        for (int j = 0; j + 1 < lattice_.size[1]; ++j)
+            for (int i = 0; i + 1 < lattice_.size[0]; ++i) {
+                const unsigned inside = inside_corners({i, j, k});
                 if (inside == 0 || inside == 255) continue;
-                part.places.push_back(lattice.at(i, j, k));
-                add_cell(solid, lattice, table, crossings, {i, j, k}, labels[inside],
-                         part.cells.emplace_back(), part.positions);
+                layer.places.push_back(lattice_.at(i, j, k));
+                add_cell({i, j, k}, labels_[inside], layer);
             }
-    });
+        return layer;
+    }
+
+ private:
+    // One bit per corner.
+    unsigned inside_corners(std::array<int, 3> cell) const {
+        unsigned inside = 0;
+        for (int c = 0; c < 8; ++c)
+            if (values_[lattice_.at(cell[0] + (c & 1), cell[1] + (c >> 1 & 1),
+                                    cell[2] + (c >> 2))] < 0.0)
+                inside |= 1U << c;
+        return inside;
+    }
+    void add_cell(std::array<int, 3> cell, const std::array<int, 12>& label, Layer& layer) const {
+        EdgeVertices vertices;
+        vertices.fill(kInvalidIndex);
+        std::vector<const Crossing*> members;
+        members.reserve(12);
+        for (int sheet = 0; sheet < 12; ++sheet) {
+            members.clear();
+            for (int edge = 0; edge < 12; ++edge) {
+                if (label[static_cast<std::size_t>(edge)] != sheet) continue;
+                const auto axis = static_cast<std::size_t>(edge / 4);
+                std::array<int, 3> at = cell;
+                at[(axis + 1) % 3] += edge & 1;
+                at[(axis + 2) % 3] += (edge >> 1) & 1;
+                members.push_back(&crossings_[table_.index[axis][lattice_.at(at)]]);
+                vertices[static_cast<std::size_t>(edge)] =
+                    static_cast<Index>(layer.positions.size());
+            }
+            if (members.empty()) continue;
+            layer.positions.push_back(place_vertex(
+                solid_, members, lattice_.place(cell[0], cell[1], cell[2]), lattice_.grid.spacing));
+        }
+        layer.cells.push_back(vertices);
+    }
+
+    const Solid& solid_;
+    const Lattice& lattice_;
+    const std::vector<double>& values_;
+    const std::vector<Crossing>& crossings_;
+    CrossingTable table_;
+    std::vector<std::array<int, 12>> labels_;  // by inside corners
+};
+
+// Layers one after the other, vertices numbered through.
+Sheets join_layers(const Lattice& lattice, const std::vector<SheetFinder::Layer>& layers) {
     Sheets sheets;
     sheets.cell_of.assign(lattice.count(), kInvalidIndex);
-    for (const Part& part : parts) {
+    for (const SheetFinder::Layer& layer : layers) {
         const auto offset = static_cast<Index>(sheets.positions.size());
-        for (std::size_t c = 0; c < part.cells.size(); ++c) {
-            sheets.cell_of[part.places[c]] = static_cast<Index>(sheets.cells.size());
-            sheets.cells.push_back(part.cells[c]);
+        for (std::size_t c = 0; c < layer.cells.size(); ++c) {
+            sheets.cell_of[layer.places[c]] = static_cast<Index>(sheets.cells.size());
+            sheets.cells.push_back(layer.cells[c]);
             for (Index& v : sheets.cells.back())
                 if (v != kInvalidIndex) v += offset;
         }
-        sheets.positions.insert(sheets.positions.end(), part.positions.begin(),
-                                part.positions.end());
+        sheets.positions.insert(sheets.positions.end(), layer.positions.begin(),
+                                layer.positions.end());
     }
     return sheets;
 }
@@ -379,7 +400,11 @@ Mesh contour(const Solid& solid, const ContourGrid& grid, const Context& context
     const std::vector<double> values = sample_lattice(solid, lattice, context);
     std::vector<Crossing> crossings = find_crossings(lattice, values, context);
     locate_crossings(solid, lattice, values, crossings, context);
-    Sheets sheets = find_sheets(solid, lattice, values, crossings, context);
+    const SheetFinder finder(solid, lattice, values, crossings);
+    std::vector<SheetFinder::Layer> layers(static_cast<std::size_t>(lattice.size[2] - 1));
+    parallel_for(context, layers.size(), 1,
+                 [&](std::size_t k, std::size_t) { layers[k] = finder.find(static_cast<int>(k)); });
+    Sheets sheets = join_layers(lattice, layers);
 
     Mesh mesh;
     mesh.positions = std::move(sheets.positions);

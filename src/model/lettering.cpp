@@ -25,8 +25,8 @@ struct Line {
 
 // The plinth's block fills v in [0.05, 0.25]; its ruler lies below, the pot above.
 constexpr Line kLines[] = {
-    {BoxFace::kFront, {0.5, 0.157}, 0.080, 0.20, Ink::kNavy, "POINTBAKE"},
-    {BoxFace::kFront, {0.5, 0.107}, 0.033, 0.17, Ink::kRed, "keeps every detail"},
+    {BoxFace::kFront, {0.5, 0.162}, 0.080, 0.20, Ink::kNavy, "POINTBAKE"},
+    {BoxFace::kFront, {0.5, 0.115}, 0.033, 0.17, Ink::kRed, "keeps every detail"},
     {BoxFace::kFront,
      {0.5, 0.0785},
      0.0185,
@@ -67,8 +67,14 @@ constexpr Line kLines[] = {
      "How quickly daft jumping zebras vex!"},
     {BoxFace::kBottom, {0.5, 0.36}, 0.055, 0.17, Ink::kNavy, "made of nothing"},
     {BoxFace::kBottom, {0.5, 0.27}, 0.055, 0.17, Ink::kNavy, "but points"},
-    {BoxFace::kFront, {0.44, 0.372}, 0.0270, 0.17, Ink::kNavy, "busy as a bee"},
-    {BoxFace::kBack, {0.58, 0.372}, 0.0270, 0.17, Ink::kNavy, "time for tea"},
+    {BoxFace::kFront, {0.43, 0.372}, 0.0260, 0.17, Ink::kNavy, "busy as a bee"},
+    {BoxFace::kBack, {0.58, 0.372}, 0.0260, 0.17, Ink::kNavy, "time for tea"},
+    // Above the demo model, for others that are taller.
+    {BoxFace::kFront, {0.5, 0.84}, 0.055, 0.18, Ink::kIvory, "any surface"},
+    {BoxFace::kFront, {0.5, 0.79}, 0.026, 0.16, Ink::kIvory, "carries its words"},
+    {BoxFace::kBack, {0.5, 0.83}, 0.045, 0.17, Ink::kIvory, "round and round"},
+    {BoxFace::kRight, {0.35, 0.83}, 0.045, 0.17, Ink::kIvory, "every side"},
+    {BoxFace::kLeft, {0.35, 0.83}, 0.045, 0.17, Ink::kIvory, "left alone"},
 };
 
 // Digits under the ruler's long ticks, on the four sides.

@@ -2,6 +2,9 @@
 // model (model/demo_shape.h, in units of its longest side, from the corner of its box), but covers
 // all space: any model in the unit box gets a ruler, a frieze of lettering, a checkered top, and
 // above it flat blue with a gradient, fine lines, lettering and a bee.
+#include <algorithm>
+#include <cmath>
+
 #include "model/brush.h"
 #include "model/decals.h"
 #include "model/demo_shape.h"
@@ -176,6 +179,9 @@ bool paint_handle(Vec3d p, double off, Brush& brush) {
     return true;
 }
 
+// Above the demo model, for models that are taller.
+constexpr double kSkyline = 0.775;
+
 // Everything above the plinth that is nothing else: blue below, pale above, bands by height.
 void paint_pot(Vec3d p, double off, Brush& brush) {
     const double v = p.y;
@@ -207,6 +213,7 @@ void paint_pot(Vec3d p, double off, Brush& brush) {
     } else {
         brush.fill(kGold, 0.630 - v);  // the spout's lip
     }
+    brush.fill(kSea, kSkyline - v);
 }
 
 void paint_above(Vec3d p, Vec3d n, Brush& brush) {
@@ -245,8 +252,10 @@ Rgb16 paint_at(Vec3d p, Vec3d n) {
     } else {
         paint_above(p, n, brush);
     }
-    // Letters fade out where the surface turns away from the face that they are projected from.
-    double facing = ramp(std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), 0.62, 0.72);
+    // Letters fade out where the surface turns over to another face of the box.
+    double sizes[3] = {std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+    std::sort(sizes, sizes + 3);
+    double facing = ramp(sizes[2] - sizes[1], 0.02, 0.10);
     if (face == BoxFace::kBottom && p.y > kBaseTop) facing = 0.0;
     const LetterSample letter = lettering.at(face, place);
     brush.lay(color_of(letter.ink), facing * coverage(letter.distance));

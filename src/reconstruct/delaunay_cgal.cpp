@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
+#include <thread>
 
 #include "core/message.h"
 #include "core/parallel.h"
@@ -34,11 +35,17 @@ using Cell = Triangulation::Cell_handle;
 constexpr std::size_t kRoundGrowth = 8;
 // Points between two looks at the stop token: 0.1 to 0.3 s of work.
 constexpr std::size_t kChunk = 1U << 16;
-// Fewer points go in sequentially: CGAL's locks cost more than they save.
-constexpr std::size_t kParallelMin = 1U << 13;
+// Fewer points, or fewer cores, go in sequentially. CGAL's threads spin on its locks: two of them
+// gain 1.3x on an idle machine and lose 10x where other programs keep the cores busy.
+constexpr std::size_t kParallelPoints = 1U << 18;
+constexpr int kParallelCores = 4;
+// The last chunk of a round may be small.
+constexpr std::size_t kParallelChunk = 1U << 13;
 // Cells of the lock grid along each axis, as CGAL's manual has it.
 constexpr int kLockGrid = 50;
 constexpr std::size_t kGrain = 1U << 14;
+
+int num_cores() { return static_cast<int>(std::thread::hardware_concurrency()); }
 
 struct IdSource {
     std::span<const Index> subset;
@@ -52,7 +59,7 @@ class Inserter {
         : triangulation_(triangulation),
           points_(points),
           context_(context),
-          arena_(num_threads(context)) {}
+          arena_(std::min(num_threads(context), num_cores())) {}
 
     void add(Index id) {
         batch_.emplace_back(to_point(points_[id]), id);
@@ -61,7 +68,7 @@ class Inserter {
 
     void flush() {
         check_cancelled(context_);
-        if (num_threads(context_) > 1 && batch_.size() >= kParallelMin) {
+        if (triangulation_.is_parallel() && batch_.size() >= kParallelChunk) {
             arena_.execute([&] { triangulation_.insert(batch_.begin(), batch_.end()); });
         } else {
             insert_in_order();
@@ -182,7 +189,7 @@ Delaunay delaunay(std::span<const Vec3d> points, const Context& context,
     const IdSource ids{subset, subset.empty() ? points.size() : subset.size()};
     if (ids.count < 4) return {};
     std::unique_ptr<Triangulation::Lock_data_structure> locks;
-    if (num_threads(context) > 1) {
+    if (std::min(num_threads(context), num_cores()) >= kParallelCores && ids.count >= kParallelPoints) {
         Box box;
         for (std::size_t i = 0; i < ids.count; ++i) box.extend(points[ids[i]]);
         locks = std::make_unique<Triangulation::Lock_data_structure>(

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <set>
 
 #include "core/adjacency.h"
 #include "core/parallel.h"
@@ -13,6 +14,8 @@ namespace pointbake {
 namespace {
 
 constexpr double kFoldedCos = -0.9;  // facets folded onto each other at an edge
+// Pieces with fewer facets are slips: a tetrahedron has 4, a cube of two triangles a side 12.
+constexpr Index kMinFacets = 12;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -174,15 +177,71 @@ class Labeller {
         for (Index c : tets_.star(u)) side(c, u) = static_cast<std::int8_t>(-side(c, u));
     }
 
-    // The side that sees more of the far points is out.
+    // How often the labels that two patches give to common cells agree, less how often they do not,
+    // if both call their first side out.
+    struct Link {
+        Index from, to;
+        std::int64_t weight;
+    };
+
+    std::vector<Link> find_links() const {
+        std::vector<Link> all;
+        for (Index c = 0; c < tets_.num_cells(); ++c) {
+            for (Index i = 0; i < 4; ++i) {
+                for (Index j = 0; j < 4; ++j) {
+                    const int agree = sides_[c * 4 + i] * sides_[c * 4 + j];
+                    if (agree == 0) continue;
+                    const Index p = patch_of_[tets_.cells[c][i]], q = patch_of_[tets_.cells[c][j]];
+                    if (p != q) all.push_back({p, q, agree});
+                }
+            }
+        }
+        std::sort(all.begin(), all.end(), [](const Link& a, const Link& b) {
+            return a.from != b.from ? a.from < b.from : a.to < b.to;
+        });
+        std::vector<Link> links;
+        for (const Link& l : all) {
+            if (!links.empty() && links.back().from == l.from && links.back().to == l.to)
+                links.back().weight += l.weight;
+            else
+                links.push_back(l);
+        }
+        return links;
+    }
+
+    // What the far points say of a patch: the side that sees more of them is out.
+    std::int64_t far_score(Index patch) {
+        std::int64_t sum = 0;
+        for (Index v : patch_members_[patch])
+            for (Index c : tets_.star(v))
+                if (tets_.has_far(c)) sum += side(c, v);
+        return sum;
+    }
+
+    // The patch with the strongest evidence comes first; its neighbours learn from it.
     void orient_patches() {
-        orientation_.assign(patch_members_.size(), kUnknown);
-        for (std::size_t p = 0; p < patch_members_.size(); ++p) {
-            std::int64_t sum = 0;
-            for (Index v : patch_members_[p])
-                for (Index c : tets_.star(v))
-                    if (tets_.has_far(c)) sum += side(c, v);
-            if (sum != 0) orientation_[p] = sum > 0 ? kFirstIsOut : kFirstIsIn;
+        const auto num_patches = static_cast<Index>(patch_members_.size());
+        const std::vector<Link> links = find_links();
+        std::vector<std::int64_t> score(num_patches);
+        std::set<std::pair<std::int64_t, Index>> queue;
+        orientation_.assign(num_patches, kUnknown);
+        for (Index p = 0; p < num_patches; ++p) {
+            score[p] = far_score(p);
+            if (score[p] != 0) queue.emplace(-std::abs(score[p]), p);
+        }
+        while (!queue.empty()) {
+            const Index p = queue.begin()->second;
+            queue.erase(queue.begin());
+            orientation_[p] = score[p] > 0 ? kFirstIsOut : kFirstIsIn;
+            auto link = std::lower_bound(links.begin(), links.end(), p,
+                                         [](const Link& l, Index q) { return l.from < q; });
+            for (; link != links.end() && link->from == p; ++link) {
+                const Index q = link->to;
+                if (orientation_[q] != kUnknown) continue;
+                queue.erase({-std::abs(score[q]), q});
+                score[q] += orientation_[p] * link->weight;
+                if (score[q] != 0) queue.emplace(-std::abs(score[q]), q);
+            }
         }
     }
 
@@ -230,7 +289,8 @@ class Labeller {
         outside_.assign(tets_.num_cells(), 0);
         std::deque<Index> queue;
         for (Index c = 0; c < tets_.num_cells(); ++c) {
-            if (!tets_.has_far(c)) continue;
+            const Votes votes = votes_of(c);
+            if (!tets_.has_far(c) && votes.out <= votes.in) continue;
             outside_[c] = 1;
             queue.push_back(c);
         }
@@ -258,7 +318,41 @@ class Labeller {
         }
     }
 
+    // Connected pieces of inside cells, and of outside ones that no far point is part of, take the
+    // other label if they are too small or bounded by facets that are not of the surface.
+    void drop_slips() {
+        const Index n = tets_.num_cells();
+        std::vector<std::uint8_t> seen(n, 0);
+        std::vector<Index> piece;
+        for (Index first = 0; first < n; ++first) {
+            if (seen[first] != 0) continue;
+            const std::uint8_t label = outside_[first];
+            bool has_far = false;
+            Index num_facets = 0, num_walls = 0;
+            piece.assign(1, first);
+            seen[first] = 1;
+            for (std::size_t head = 0; head < piece.size(); ++head) {
+                const Index c = piece[head];
+                has_far |= tets_.has_far(c);
+                for (Index i = 0; i < 4; ++i) {
+                    const Index other = tets_.neighbors[c][i];
+                    if (other == kInvalidIndex) continue;
+                    if (outside_[other] != label) {
+                        ++num_facets;
+                        num_walls += wall_[c * 4 + i];
+                    } else if (seen[other] == 0) {
+                        seen[other] = 1;
+                        piece.push_back(other);
+                    }
+                }
+            }
+            if (has_far || (num_facets >= kMinFacets && num_walls * 2 >= num_facets)) continue;
+            for (Index c : piece) outside_[c] = label ^ 1;
+        }
+    }
+
     InsideLabels finish() {
+        drop_slips();
         InsideLabels labels;
         labels.num_poor = num_poor_;
         for (Index c = 0; c < tets_.num_cells(); ++c) {

@@ -16,7 +16,7 @@ using render::RowRange;
 
 // Clouds without radii: half the distance to the sixth neighbour (a whole ring of them on a
 // surface) times this covers a surface without holes.
-constexpr double kCoverage = 1.15;
+constexpr double kCoverage = 1.25;
 constexpr std::size_t kRing = 6;
 // A disc seen from the side keeps this share of its depth slope, lest it reach out in depth.
 constexpr double kMinFacing = 0.15;

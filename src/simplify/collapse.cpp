@@ -200,18 +200,21 @@ CollapseCounts Collapser::sweep(std::size_t offset) {
 }
 
 bool Collapser::is_within(Index v, Index begin, Index end) const {
-    bool all = true;
-    surface_.for_each_corner(v, [&](Index c) {
-        for (Index w : surface_.triangles[c / 3]) all = all && w >= begin && w < end;
-    });
-    return all;
+    for (Index c = surface_.first_corners[v]; c != kInvalidIndex; c = surface_.next_corners[c]) {
+        for (Index w : surface_.triangles[c / 3]) {
+            if (w < begin || w >= end) return false;
+        }
+    }
+    return true;
 }
 
 void Collapser::sweep_block(Index begin, Index end, float threshold, CollapseCounts& counts) {
     CollapseJudge judge(surface_, attribution_, marks_, limits_.squared_distance);
     for (Index v = begin; v < end; ++v) {
-        if (surface_.first_corners[v] == kInvalidIndex || !is_within(v, begin, end)) continue;
+        if (surface_.first_corners[v] == kInvalidIndex) continue;
         Candidate best = best_[v];
+        if (!changed_[v] && best.cost > threshold) continue;
+        if (!is_within(v, begin, end)) continue;
         if (changed_[v]) best = best_edge(v, [](Index) { return true; });
         if (best.cost > threshold || best.other == kInvalidIndex ||
             !is_within(best.other, begin, end))

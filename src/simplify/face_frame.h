@@ -37,6 +37,11 @@ struct FaceFrame {
     }
     bool is_flat() const { return normal == Vec3d{}; }
 
+    /// Squared distance of p to the plane.
+    double squared_height(Vec3d p) const {
+        const double h = dot(p - corners[0], normal);
+        return h * h;
+    }
     /// Squared distance of p to the triangle if it is at most `limit`; else some number above it.
     double squared_distance(Vec3d p, double limit) const {
         const Vec3d d = p - corners[0];
@@ -57,12 +62,18 @@ struct FaceFrame {
     }
 
     ClosestFoot foot(Vec3d p) const {
+        const Vec3d d = p - corners[0];
+        const double s0 = dot(d, sides[0]), s1 = dot(p - corners[1], sides[1]),
+                     s2 = dot(d, sides[2]);
+        if (s0 > 0.0 && s1 > 0.0 && s2 > 0.0) {
+            // Distances to the edges, as shares of the heights over them.
+            const double b2 = s0 / dot(corners[2] - corners[0], sides[0]);
+            const double b1 = s2 / dot(corners[1] - corners[0], sides[2]);
+            return {{1.0 - b1 - b2, b1, b2}, normal, dot(d, normal)};
+        }
         const ClosestPoint c = closest_point_on_triangle(p, corners[0], corners[1], corners[2]);
-        const Vec3d d = p - c.point;
-        const Vec3d& b = c.barycentric;
-        if (b.x > 0.0 && b.y > 0.0 && b.z > 0.0) return {b, normal, dot(d, normal)};
         const double r = std::sqrt(c.squared_distance);
-        return {b, r > 0.0 ? d / r : normal, r};
+        return {c.barycentric, r > 0.0 ? (p - c.point) / r : normal, r};
     }
 
  private:

@@ -26,7 +26,7 @@ constexpr double kMinQuality = 0.05;
 // A flip must gain this share of what its points contribute; less is rounding and noise.
 constexpr double kMinFlipGain = 1e-3;
 // A vertex may be this many point spacings from the nearest point of its ring.
-constexpr double kReach = 1.5;
+constexpr double kReach = 1.0;
 constexpr int kMaxWalk = 16;
 
 struct PointsByTriangle {

@@ -122,7 +122,8 @@ Verdict CollapseJudge::reattribute(Index old_face) {
     if (attribution_.first_points[old_face] == kInvalidIndex) return Verdict::kLegal;
     const auto [qa, qb, qc] = surface_.corners_of(old_face);
     const Vec3d old_normal = normalized(cross(qb - qa, qc - qa));
-    // Mostly a point stays where it was, and then the others are ruled out at little cost.
+    // Mostly a point stays above the triangle that it was above. Another one may be nearer where
+    // the surface folds; that would only lower its distance.
     std::uint32_t guess = 0;
     for (std::uint32_t f = 0; f < kept_faces_.size(); ++f) {
         if (kept_faces_[f] == old_face) guess = f;
@@ -132,8 +133,8 @@ Verdict CollapseJudge::reattribute(Index old_face) {
         const Vec3d x = attribution_.points[p];
         double best = new_faces_[guess].squared_distance(x, HUGE_VAL);
         std::uint32_t face = guess;
-        for (std::uint32_t f = 0; f < new_faces_.size(); ++f) {
-            if (f == guess) continue;
+        const bool is_above = best == new_faces_[guess].squared_height(x);
+        for (std::uint32_t f = 0; f < new_faces_.size() && !is_above; ++f) {
             const double d = new_faces_[f].squared_distance(x, best);
             if (d < best) best = d, face = f;
         }

@@ -1,4 +1,4 @@
-// Based on RFC 1950 and RFC 1951. libdeflate compresses whole streams only and is several times
+// Based on [RFC1950] and [RFC1951]. libdeflate compresses whole streams only and is several times
 // faster than zlib. To join its streams, the mark of the final block is taken off each (its place
 // is found by walking the Huffman codes) and an empty stored block fills the last byte up, as
 // zlib's Z_SYNC_FLUSH does.
@@ -62,7 +62,7 @@ std::uint32_t reversed(std::uint32_t code, unsigned num_bits) {
     return r;
 }
 
-/// RFC 1951, 3.2.2: the canonical code of the given lengths.
+/// [RFC1951] 3.2.2: the canonical code of the given lengths.
 void build(Decoder& decoder, std::span<const std::uint8_t> lengths, const Payload& payload,
            bool with_symbols = false) {
     std::array<std::uint32_t, kMaxCodeBits + 2> next_code{};
@@ -257,7 +257,7 @@ DeflatedPiece deflate_piece(std::span<const std::byte> raw, bool is_last) {
 
 std::uint32_t adler32_combine(std::uint32_t first, std::uint32_t second, std::size_t num_second) {
     // With a = 1 + sum of the bytes and b = sum of the running a: b of both is
-    // b1 + b2 + n2 (a1 - 1), RFC 1950, 8.2.
+    // b1 + b2 + n2 (a1 - 1), [RFC1950] 8.2.
     constexpr std::uint64_t kBase = 65521;
     const std::uint64_t a1 = first & 0xffffU, b1 = first >> 16;
     const std::uint64_t a2 = second & 0xffffU, b2 = second >> 16;

@@ -1,4 +1,4 @@
-// Based on the PNG specification (ISO/IEC 15948): per row the filter with the least sum of absolute
+// Based on [PNG03]: per row the filter with the least sum of absolute
 // differences (its section 12.8). Bands of rows are filtered and compressed on their own, in
 // parallel; each is one IDAT chunk of a common zlib stream.
 #include "write/png.h"

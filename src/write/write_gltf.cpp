@@ -1,4 +1,4 @@
-// Based on the glTF 2.0 specification and KHR_materials_unlit. Vertices are never laid out in
+// Based on [glTF20] and KHR_materials_unlit. Vertices are never laid out in
 // memory: they are looked up in the model while they are written.
 #include "write/write_gltf.h"
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pointbake/convert.h"
+#include "pointbake/write.h"
 #include "run_options.h"
 
 namespace pointbake::cli {

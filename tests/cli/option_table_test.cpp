@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pointbake/convert.h"
+#include "pointbake/write.h"
 #include "run_options.h"
 
 namespace pointbake::cli {

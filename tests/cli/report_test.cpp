@@ -68,7 +68,7 @@ TEST(Report, LeavesOutStagesThatWereNotReached) {
 TEST(Report, StaysJsonForNamesThatAreNotUtf8) {
     RunReport report = example();
     report.input = "scan\xff.ply";
-    EXPECT_NO_THROW(static_cast<void>(Json::parse(report_json(report))));
+    EXPECT_TRUE(Json::parse(report_json(report), nullptr, false).is_object());
 }
 
 TEST(Report, CountsDistancesAndPointsOfKeptPointsOnly) {

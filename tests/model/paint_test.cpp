@@ -76,7 +76,7 @@ TEST(Paint, ReadsFromLeftToRight) {
     // only in three places.
     const auto column = [](double x) {
         int ink = 0;
-        for (int k = 0; k < 100; ++k) ink += is_ink(front(x, 0.158 + 0.078 * k / 100.0));
+        for (int k = 0; k < 100; ++k) ink += is_ink(front(x, 0.163 + 0.078 * k / 100.0));
         return ink;
     };
     double left = 0.0, right = 1.0;
@@ -90,10 +90,10 @@ TEST(Paint, ReadsFromLeftToRight) {
 }
 
 TEST(Paint, HasLetteringInSeveralSizes) {
-    EXPECT_GT(ink_share(0.2, 0.8, 0.157, 0.237), 0.15);
-    EXPECT_LT(ink_share(0.2, 0.8, 0.157, 0.237), 0.60);
-    EXPECT_GT(ink_share(0.25, 0.75, 0.0785, 0.097), 0.15);
-    EXPECT_GT(ink_share(0.25, 0.75, 0.0600, 0.0715), 0.12);
+    EXPECT_GT(ink_share(0.2, 0.8, 0.162, 0.242), 0.15);
+    EXPECT_LT(ink_share(0.2, 0.8, 0.162, 0.242), 0.60);
+    EXPECT_GT(ink_share(0.25, 0.75, 0.0790, 0.0975), 0.15);
+    EXPECT_GT(ink_share(0.25, 0.75, 0.0580, 0.0690), 0.12);
     EXPECT_EQ(ink_share(0.03, 0.15, 0.06, 0.24), 0.0);
 }
 

@@ -1,0 +1,100 @@
+// Files that other programs wrote, where they are at hand.
+#include <map>
+
+#include "io/test_files.h"
+
+namespace pointbake::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path data_folder() {
+    const char* elsewhere = std::getenv("POINTBAKE_DATA");
+    return elsewhere != nullptr ? fs::path(elsewhere) : fs::path(POINTBAKE_TEST_DATA);
+}
+
+/// Files of a folder with this extension, by name.
+std::vector<fs::path> files_in(const std::string& folder, const std::string& extension) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(data_folder() / folder))
+        if (entry.path().extension() == extension) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+TEST(RealFiles, OddPlyFilesReadOrFailClearly) {
+    if (!fs::exists(data_folder() / "loaders"))
+        GTEST_SKIP() << "no test data in " << data_folder()
+                     << "; POINTBAKE_DATA names another folder";
+    // The others must open.
+    const std::map<std::string, ErrorCode> kErrors{
+        {"assimp_invalid_crash-30d6d0f7c529b3b66b4131700b7a4580cd7082df", ErrorCode::kInvalidInput},
+        {"assimp_invalid_empty", ErrorCode::kInvalidInput},
+        {"pdal_no_vertex", ErrorCode::kInvalidInput},
+        {"pdal_sized_dims", ErrorCode::kInvalidInput},    // no z
+        {"pdal_unsized_dims", ErrorCode::kInvalidInput},  // no z
+        {"trimesh_empty", ErrorCode::kEmpty},
+        {"trimesh_ply_empty_ascii", ErrorCode::kEmpty},
+        {"trimesh_ply_empty_bin", ErrorCode::kEmpty},
+        {"trimesh_ply_empty_header", ErrorCode::kInvalidInput}};
+    for (const fs::path& path : files_in("loaders", ".ply")) {
+        SCOPED_TRACE(path.filename().string());
+        const auto expected = kErrors.find(path.stem().string());
+        if (expected != kErrors.end()) {
+            EXPECT_EQ(error_of([&] { load_cloud(path); }).code(), expected->second);
+            continue;
+        }
+        const LoadResult result = load_cloud(path);
+        EXPECT_GT(result.cloud.size(), 0U);
+        EXPECT_EQ(result.report.num_kept + result.report.num_merged + result.report.num_non_finite,
+                  result.report.num_rows);
+        EXPECT_EQ(result.report.num_bad_faces, 0U);
+    }
+}
+
+TEST(RealFiles, CountsOfScansAreRight) {
+    if (!fs::exists(data_folder() / "colored_points"))
+        GTEST_SKIP() << "no test data in " << data_folder()
+                     << "; POINTBAKE_DATA names another folder";
+    struct Counts {
+        const char* name;
+        std::uint64_t rows, merged;
+        std::size_t triangles;
+        bool has_colors, has_normals, has_radii;
+    };
+    for (const Counts& c :
+         {Counts{"colored_points/lion_takanawa", 341989, 49, 0, true, true, false},
+          Counts{"colored_points/pond_surfels", 70051, 19, 0, true, true, true},
+          Counts{"colored_points/o3d_livingroom_002", 112698, 0, 0, true, false, false},
+          Counts{"scans/bunny_zipper", 35947, 0, 69451, false, false, false},
+          Counts{"scans/horse_48k", 48485, 0, 96966, true, false, false},
+          Counts{"scans/laurana_rangemap_315", 62702, 0, 120995, false, false, false},
+          Counts{"scans/pcu_duplicated", 5395, 1345, 0, false, true, false}}) {
+        SCOPED_TRACE(c.name);
+        const LoadResult result = load_cloud(data_folder() / (std::string(c.name) + ".ply"));
+        EXPECT_EQ(result.report.num_rows, c.rows);
+        EXPECT_EQ(result.report.num_merged, c.merged);
+        EXPECT_EQ(result.mesh ? result.mesh->triangles.size() : 0, c.triangles);
+        EXPECT_EQ(!result.cloud.colors.empty(), c.has_colors);
+        EXPECT_EQ(!result.cloud.normals.empty(), c.has_normals);
+        EXPECT_EQ(!result.cloud.radii.empty(), c.has_radii);
+    }
+}
+
+TEST(RealFiles, TexturedMeshesRead) {
+    if (!fs::exists(data_folder() / "textured"))
+        GTEST_SKIP() << "no test data in " << data_folder()
+                     << "; POINTBAKE_DATA names another folder";
+    const std::map<std::string, std::pair<std::size_t, std::size_t>> kSizes{
+        {"spot", {2930, 5856}}, {"bob", {5344, 10688}}, {"corset", {9774, 18324}}};
+    for (const auto& [name, sizes] : kSizes) {
+        const TexturedMesh mesh = load_mesh(data_folder() / "textured" / (name + ".obj"));
+        EXPECT_EQ(mesh.mesh.positions.size(), sizes.first);
+        EXPECT_EQ(mesh.mesh.triangles.size(), sizes.second);
+        EXPECT_EQ(mesh.mesh.uvs.size(), sizes.second);
+        EXPECT_EQ(mesh.images.size(), 1U);
+    }
+}
+
+}  // namespace
+}  // namespace pointbake::test
