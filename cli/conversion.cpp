@@ -91,12 +91,6 @@ std::vector<std::uint8_t> off_surface(const SimplifyResult& light) {
     return marks;
 }
 
-/// Bounds that were asked for (or are the default) and not kept.
-bool misses_bound(const ConvertReport& report, Stage last) {
-    return (last >= Stage::kSimplify && !report.simplify.bound_met) ||
-           (last >= Stage::kTexture && !report.texture.bound_met);
-}
-
 /// The run in steps; each step is told by its name.
 class Run {
  public:
@@ -144,6 +138,10 @@ class Run {
         }
         ConvertResult result = pointbake::convert(std::move(input), options, observer, context_);
         report_.convert = result.report;
+        for (std::string& line : missed_bounds(report_)) {
+            console_.warning(line);
+            report_.convert.warnings.push_back(std::move(line));
+        }
         report_.convert.times.insert(report_.convert.times.begin(), load_time_);
         if (report_.last_stage >= Stage::kSimplify) add_distributions(report_, result.light);
         return result;
@@ -188,9 +186,7 @@ class Run {
         for (const std::string& line : plan_lines(job_, input)) print_data(line + "\n");
     }
 
-    bool fails_strict() const {
-        return job_.limits.strict && misses_bound(report_.convert, report_.last_stage);
-    }
+    bool fails_strict() const { return job_.limits.strict && !missed_bounds(report_).empty(); }
 
  private:
     const Job& job_;

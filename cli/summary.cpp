@@ -15,12 +15,23 @@ std::string bound_text(double bound) {
 
 std::string geometry_line(const RunReport& r) {
     const SimplifyReport& simplify = r.convert.simplify;
-    return fmt::format("{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}{}",
-                       counted(r.load.num_kept, "point"),
-                       counted(simplify.num_triangles, "triangle"),
-                       to_word(r.convert.reconstruct.surface), simplify.points_to_mesh.max,
-                       simplify.points_to_mesh.mean, bound_text(simplify.bound),
-                       simplify.bound_met ? "" : " NOT MET");
+    return fmt::format(
+        "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}", counted(r.load.num_kept, "point"),
+        counted(simplify.num_triangles, "triangle"), to_word(r.convert.reconstruct.surface),
+        simplify.points_to_mesh.max, simplify.points_to_mesh.mean, bound_text(simplify.bound));
+}
+
+std::string cap_reasons(const CappedCounts& capped) {
+    std::string text;
+    const auto append = [&](Index count, std::string_view reason) {
+        if (count > 0)
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", grouped(count), reason);
+    };
+    append(capped.by_spacing, "with texels finer than the points");
+    append(capped.by_count, "with 8 texels per point");
+    append(capped.by_size, "as large as a patch may be");
+    append(capped.by_budget, "for want of texels");
+    return text;
 }
 
 std::string pages_text(const std::vector<PageSize>& pages) {
@@ -104,6 +115,21 @@ std::vector<std::string> summary_lines(const RunReport& r) {
     if (r.last_stage >= Stage::kTexture && r.convert.atlas.num_texels > 0)
         lines.push_back(texture_line(r));
     if (!r.write.files.empty() || r.output.empty()) lines.push_back(file_line(r));
+    return lines;
+}
+
+std::vector<std::string> missed_bounds(const RunReport& r) {
+    std::vector<std::string> lines;
+    const SimplifyReport& simplify = r.convert.simplify;
+    const TextureReport& texture = r.convert.texture;
+    if (r.last_stage >= Stage::kSimplify && !simplify.bound_met)
+        lines.push_back(fmt::format(
+            "the geometry bound of {:.4g} is not met: the farthest point is {:.4g} away",
+            simplify.bound, simplify.points_to_mesh.max));
+    if (r.last_stage >= Stage::kTexture && !texture.bound_met)
+        lines.push_back(fmt::format("the texture bound of {:.4g} is not met on {}: {}",
+                                    texture.bound, counted(texture.capped.total(), "triangle"),
+                                    cap_reasons(texture.capped)));
     return lines;
 }
 

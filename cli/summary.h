@@ -11,6 +11,9 @@ namespace pointbake::cli {
 /// What a conversion did: geometry, texture, file.
 std::vector<std::string> summary_lines(const RunReport& report);
 
+/// Each bound that was not met, with what was measured instead.
+std::vector<std::string> missed_bounds(const RunReport& report);
+
 /// What convert would do with these points, in words.
 std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input);
 

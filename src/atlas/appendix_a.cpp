@@ -40,13 +40,14 @@ class AppendixA {
                                 base_is_last(rank));
           }) {}
 
-    void run(const Context& context) {
+    bool run(const Context& context) {
         while (skip_empty_classes()) {
             check_cancelled(context);
             std::optional<Row> row = new_row(index_.classes()[tallest_].height, layout_);
-            if (!row) return;
+            if (!row) return false;
             fill(*row);
         }
+        return true;
     }
 
  private:
@@ -114,8 +115,8 @@ class AppendixA {
 
 }  // namespace
 
-void pack_appendix_a(const ShapeSet& shapes, Layout& layout, const Context& context) {
-    AppendixA(shapes, layout).run(context);
+bool pack_appendix_a(const ShapeSet& shapes, Layout& layout, const Context& context) {
+    return AppendixA(shapes, layout).run(context);
 }
 
 }  // namespace pointbake

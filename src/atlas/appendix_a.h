@@ -6,8 +6,8 @@
 
 namespace pointbake {
 
-/// Places shapes in rows as [Wicke05, Appendix A]. Those for which the pages have no row left stay
-/// kUnplaced.
-void pack_appendix_a(const ShapeSet& shapes, Layout& layout, const Context& context);
+/// Places shapes in rows as [Wicke05, Appendix A]. False if the pages have no row left for one; it
+/// and those after it stay kUnplaced.
+bool pack_appendix_a(const ShapeSet& shapes, Layout& layout, const Context& context);
 
 }  // namespace pointbake

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "atlas/appendix_a.h"
-#include "atlas/gaps.h"
 #include "atlas/layout.h"
 #include "atlas/pages.h"
 #include "atlas/rows.h"
@@ -21,41 +20,29 @@ namespace {
 // least kLeastGrowth. Once shapes fit, pages between the last two sizes are tried.
 constexpr double kStep = 0.8;
 constexpr double kLeastGrowth = 1.004;
-constexpr int kNumRefinements = 4;
+constexpr int kNumRefinements = 5;
 
-// Rows that leave more than this share of the texels unplaced are not worth repairing by gaps: more
-// hardly ever fit.
-constexpr double kHopeless = 0.02;
-// Shapes of so few texels do not count: gaps hold them as well as rows do.
-constexpr int kTiny = 8;
-
-std::int64_t num_unplaced_texels(const ShapeSet& shapes, const Layout& layout, int larger_than) {
-    std::int64_t sum = 0;
-    for (int rank = 0; rank < shapes.size(); ++rank)
-        if (layout.spot(rank).page == kUnplaced && shapes[rank].num_texels > larger_than)
-            sum += shapes[rank].num_texels;
-    return sum;
-}
+// Share of the free texels that lower shapes would still fill where a taller one does not fit.
+constexpr double kUsefulShare = 0.9;
 
 struct Attempt {
     std::vector<PageSize> pages;
-    std::optional<Layout> layout;   // of all shapes, or nothing
-    std::int64_t num_unplaced = 0;  // texels for which there was no room in rows
+    std::optional<Layout> layout;  // of all shapes, or nothing
+    double num_missing = 0.0;      // texels that the pages lack, about
 };
 
 Attempt try_pages(const ShapeSet& shapes, std::vector<PageSize> pages, const AtlasOptions& options,
                   const Context& context) {
     Layout layout(pages, shapes.size());
     const bool is_paper = options.packer == Packer::kAppendixA;
-    (is_paper ? pack_appendix_a : pack_rows)(shapes, layout, context);
-    Attempt out{std::move(pages), std::nullopt, num_unplaced_texels(shapes, layout, 0)};
-    bool is_complete = out.num_unplaced == 0;
-    if (!is_complete && !is_paper &&
-        static_cast<double>(num_unplaced_texels(shapes, layout, kTiny)) <=
-            kHopeless * static_cast<double>(shapes.num_texels()))
-        is_complete = fill_gaps(shapes, layout, context);
-    if (is_complete) out.layout = std::move(layout);
-    return out;
+    if ((is_paper ? pack_appendix_a : pack_rows)(shapes, layout, context))
+        return {std::move(pages), std::move(layout), 0.0};
+    std::int64_t placed = 0;
+    for (int rank = 0; rank < shapes.size(); ++rank)
+        if (layout.spot(rank).page != kUnplaced) placed += shapes[rank].num_texels;
+    const auto free = static_cast<double>(num_texels(pages) - placed);
+    return {std::move(pages), std::nullopt,
+            static_cast<double>(shapes.num_texels() - placed) - kUsefulShare * free};
 }
 
 Packing to_packing(const ShapeSet& shapes, const Layout& layout) {
@@ -116,24 +103,19 @@ Packing pack(std::span<const PatchShape> shapes, const AtlasOptions& options,
     Attempt best = try_texels(needed);
     while (!best.layout) {
         too_few = static_cast<double>(num_texels(best.pages));
-        const double missing = static_cast<double>(best.num_unplaced) / needed;
-        best = try_texels(too_few * std::max(kLeastGrowth, 1.0 + kStep * missing));
+        best = try_texels(std::max(kLeastGrowth * too_few, too_few + kStep * best.num_missing));
     }
-    for (int i = 0; i < kNumRefinements && too_few > 0.0; ++i) {
-        const auto room = static_cast<double>(num_texels(best.pages));
-        const double middle = 0.5 * (too_few + room);
-        if (room < kLeastGrowth * too_few) break;
-        const std::vector<PageSize> pages =
-            pages_that_hold(static_cast<std::int64_t>(middle), smallest, options);
+    double enough = static_cast<double>(num_texels(best.pages));
+    for (int i = 0; i < kNumRefinements && enough > kLeastGrowth * too_few && too_few > 0.0; ++i) {
+        const double middle = 0.5 * (too_few + enough);
+        const auto pages = pages_that_hold(static_cast<std::int64_t>(middle), smallest, options);
         if (num_texels(pages) == num_texels(best.pages)) {
-            too_few = middle;
+            enough = middle;
             continue;
         }
         Attempt attempt = try_pages(set, pages, options, context);
-        if (attempt.layout)
-            best = std::move(attempt);
-        else
-            too_few = static_cast<double>(num_texels(pages));
+        (attempt.layout ? enough : too_few) = static_cast<double>(num_texels(pages));
+        if (attempt.layout) best = std::move(attempt);
     }
     return to_packing(set, *best.layout);
 }

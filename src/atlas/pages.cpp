@@ -105,7 +105,7 @@ std::vector<PageSize> pages_that_hold(std::int64_t texels, PageSize smallest,
     if (!pages.empty()) smallest = {};
     const PageSize one = smallest_page_for(texels, smallest, all);
     std::vector<PageSize> best{one.width > 0 ? one : full};
-    for (int split = 1; split < kMaxSplit; ++split) {
+    for (int split = 1; options.power_of_two && split < kMaxSplit; ++split) {
         const std::vector<PageSize> parts = split_page(texels, split, all);
         if (!parts.empty() && is_within(smallest, parts.front()) &&
             static_cast<double>(num_texels(parts)) <=

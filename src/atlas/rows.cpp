@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "atlas/gaps.h"
 #include "atlas/match_index.h"
 #include "core/parallel.h"
 
@@ -40,7 +41,11 @@ constexpr int kWorthShapes = 3;
 // Steps of a leftover's edge that are kept apart, in texels.
 constexpr int kStep = 6;
 
-// Narrower leftovers are not kept: shapes small enough for them find them in fill_gaps().
+// Gaps before a shape of at least so many texels are kept, in at most kBands bands.
+constexpr int kWorthGap = 64;
+constexpr int kBands = 8;
+
+// Narrower leftovers are not kept: shapes small enough for them find them one by one.
 constexpr int kNarrowest = 3;
 
 // Sum of (2 j - (h - 1)) edge[j]: the slope of a least-squares line through an edge, times a
@@ -62,7 +67,8 @@ struct Leftover {
     Row row;
     std::vector<std::int16_t> start;  // start[k]: rightmost edge of the last k scan lines
 
-    explicit Leftover(Row r) : row(std::move(r)) {
+    explicit Leftover(Row r) : row(std::move(r)) { measure(); }
+    void measure() {
         start.assign(static_cast<std::size_t>(row.height) + 1, 0);
         for (std::size_t k = 1; k < start.size(); ++k)
             start[k] = std::max(start[k - 1], row.edge[static_cast<std::size_t>(row.height) - k]);
@@ -92,7 +98,7 @@ class RowPacker {
             narrowest_.push_back(c.last_rank - 1);
     }
 
-    void run(const Context& context) {
+    bool run(const Context& context) {
         while (tallest_ < index_.classes().size()) {
             check_cancelled(context);
             if (tallest().num_left == 0) {
@@ -104,16 +110,21 @@ class RowPacker {
             if (!row) row = new_row(h, layout_);
             const bool is_last_resort = !row;
             if (!row) row = take_leftover(h, narrowest_width());
-            // without room, the class is left to fill_gaps()
-            if (!row || !fill(*row, is_last_resort)) ++tallest_;
-            if (row) keep_leftover(std::move(*row));
+            if (row) {
+                const bool has_filled = fill(*row, is_last_resort);
+                keep_leftover(*row);
+                if (has_filled) continue;
+            }
+            if (!fill_gaps(context)) return false;
         }
+        return true;
     }
 
  private:
     struct Candidate {
         std::size_t class_index = 0;
         int rank = kUnplaced, pose = 0, x = 0;
+        std::int64_t waste = 0;
         double score = std::numeric_limits<double>::infinity();
     };
 
@@ -132,8 +143,10 @@ class RowPacker {
     bool fill(Row& row, bool tries_all) {
         bool has_placed = false;
         for (Candidate c = best(row, tries_all); c.rank != kUnplaced; c = best(row, false)) {
+            if (c.waste >= kWorthGap) keep_gap(row, c);
             put(shapes_, c.rank, c.pose, c.x, 0, row, layout_);
             index_.remove(c.class_index, c.rank);
+            if (gaps_) gaps_->take(c.rank);
             has_placed = true;
         }
         return has_placed;
@@ -170,7 +183,7 @@ class RowPacker {
             const std::int64_t waste = std::int64_t{c.height} * x + profile_sum(*e) - edge_sum;
             const double score =
                 static_cast<double>(waste) + kHeightLoss * (row.height - c.height) * width;
-            if (score < best.score) best = {class_index, e->rank, e->pose, x, score};
+            if (score < best.score) best = {class_index, e->rank, e->pose, x, waste, score};
         }
         return trials;
     }
@@ -188,6 +201,62 @@ class RowPacker {
             ++full;
         if (full < row.height)
             leftovers_.emplace_back(slice(row, full, row.height - full, row.limit));
+    }
+
+    // Keeps what a shape to be placed will shut off from the row, in bands that end straight.
+    void keep_gap(const Row& row, const Candidate& c) {
+        const int height = shapes_[c.rank].height;
+        const std::int16_t* const left = shapes_.left_profile(c.rank, c.pose);
+        const int band = std::max(kBlock, height / kBands);
+        for (int j = 0; j < height; j += band) {
+            const int end = std::min(j + band, height);
+            keep_leftover(slice(row, j, end - j, c.x + *std::min_element(left + j, left + end)));
+        }
+    }
+
+    // Places the rest of the tallest class one by one; false as soon as one does not fit.
+    bool fill_gaps(const Context& context) {
+        if (!gaps_) start_gaps();
+        for (int rank = tallest().first_rank; rank < tallest().last_rank; ++rank) {
+            if (!index_.is_left(rank)) continue;
+            check_cancelled(context);
+            if (!gaps_->place(rank)) return false;
+            index_.remove(tallest_, rank);
+            shut_off(rank);
+        }
+        return true;
+    }
+
+    // From now on shapes lie anywhere, so the lower ends of pages become leftovers too.
+    void start_gaps() {
+        gaps_.emplace(shapes_, layout_);
+        for (std::size_t p = 0; p < layout_.pages.size(); ++p) {
+            const PageSize page = layout_.pages[p];
+            int& used = layout_.used_height[p];
+            if (used < page.height)
+                keep_leftover(Row(static_cast<int>(p), used, page.height - used, page.width));
+            used = page.height;
+        }
+    }
+
+    // Moves the edges of leftovers behind a shape that lies in them.
+    void shut_off(int rank) {
+        const Spot& spot = layout_.spot(rank);
+        const int height = shapes_[rank].height, end = spot.x + shapes_[rank].width;
+        for (Leftover& l : leftovers_) {
+            Row& row = l.row;
+            const int first = std::max(row.y, spot.y);
+            const int last = std::min(row.y + row.height, spot.y + height);
+            if (row.page != spot.page || first >= last || spot.x >= row.limit) continue;
+            bool has_moved = false;
+            for (int y = first; y < last; ++y) {
+                std::int16_t& edge = row.edge[static_cast<std::size_t>(y - row.y)];
+                if (edge >= end) continue;
+                edge = static_cast<std::int16_t>(std::min(end, row.limit));
+                has_moved = true;
+            }
+            if (has_moved) l.measure();
+        }
     }
 
     // The lowest leftover that has room for shapes of a height and width.
@@ -229,13 +298,14 @@ class RowPacker {
     std::vector<std::int64_t> profile_sums_;  // by rank, left and right
     std::vector<int> narrowest_;              // per class: no narrower shape is left
     std::vector<Leftover> leftovers_;
+    std::optional<GapFiller> gaps_;
     std::size_t tallest_ = 0;
 };
 
 }  // namespace
 
-void pack_rows(const ShapeSet& shapes, Layout& layout, const Context& context) {
-    RowPacker(shapes, layout).run(context);
+bool pack_rows(const ShapeSet& shapes, Layout& layout, const Context& context) {
+    return RowPacker(shapes, layout).run(context);
 }
 
 }  // namespace pointbake

@@ -6,8 +6,9 @@
 
 namespace pointbake {
 
-/// Places shapes in rows and in what rows leave over, tallest first. Those that find no room stay
-/// kUnplaced. O(n log n) in the number of shapes.
-void pack_rows(const ShapeSet& shapes, Layout& layout, const Context& context);
+/// Places shapes in rows and in what rows leave over, tallest first; those for which there is no
+/// row in the gaps between others. Stops at the first that fits nowhere: false; it and all lower
+/// shapes stay kUnplaced. O(n log n) in the number of shapes.
+bool pack_rows(const ShapeSet& shapes, Layout& layout, const Context& context);
 
 }  // namespace pointbake

@@ -44,8 +44,10 @@ ShapeSet::ShapeSet(std::span<const PatchShape> shapes) : items_(shapes.size()) {
     for (std::size_t rank = 0; rank < items_.size(); ++rank) {
         Item& item = items_[rank];
         const auto& rows = shapes[item.shape].rows;
-        item.is_repeat = rank > 0 && items_[rank - 1].height == item.height &&
-                         compare_rows(shapes[items_[rank - 1].shape], shapes[item.shape]) == 0;
+        if (rank > 0) {
+            const Item& last = items_[rank - 1];
+            item.group = last.group + (compare_rows(shapes[last.shape], shapes[item.shape]) != 0);
+        }
         const auto h = static_cast<std::size_t>(item.height);
         const auto stride = static_cast<std::size_t>(num_blocks(item.height) * kBlock);
         for (std::size_t j = 0; j < h; ++j) {

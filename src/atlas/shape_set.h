@@ -32,8 +32,8 @@ class ShapeSet {
         Index shape = 0;  ///< position in the input
         int height = 0, width = 0;
         int num_texels = 0;
-        std::size_t first = 0;   ///< of its four profiles, each of num_blocks(height) blocks
-        bool is_repeat = false;  ///< the same rows as the item before it
+        std::size_t first = 0;  ///< of its four profiles, each of num_blocks(height) blocks
+        int group = 0;          ///< the same for shapes with the same rows
     };
     const std::vector<Item>& items() const { return items_; }
     int size() const { return static_cast<int>(items_.size()); }

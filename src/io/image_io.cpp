@@ -16,7 +16,7 @@ namespace pointbake {
 namespace {
 
 constexpr std::uint64_t kMaxTexels = std::uint64_t{1} << 28;  // 16384 x 16384
-constexpr std::uint64_t kMaxDeflateRatio = 1032;              // [RFC 1951]: 258 bytes from 2 bits
+constexpr std::uint64_t kMaxDeflateRatio = 1032;              // [RFC1951]: 258 bytes from 2 bits
 
 void check_size(std::uint64_t width, std::uint64_t height, const std::string& name) {
     if (width * height > kMaxTexels)

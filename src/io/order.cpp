@@ -36,9 +36,8 @@ std::uint64_t spread_bits(std::uint64_t x) {
 }
 
 std::uint64_t cell_index(double coordinate, double cell) {
-    // Divisions by powers of two are exact. Half the range is added so that the origin lies in the
-    // middle: clouds around it do not wrap.
-    const double cells = std::floor(coordinate / cell) + kCellsPerAxis / 2.0;
+    // Divisions by powers of two are exact. Wrapping only permutes the curve's first octants.
+    const double cells = std::floor(coordinate / cell);
     const double wrapped = cells - std::floor(cells / kCellsPerAxis) * kCellsPerAxis;
     return static_cast<std::uint64_t>(wrapped) & ((1U << kBitsPerAxis) - 1U);
 }

@@ -28,7 +28,7 @@ OrderedCloud order_cloud(PointCloud rows, const Context& context);
 double morton_cell(const Box& box);
 
 /// Place along the Morton curve over a grid anchored at the origin: 21 bits per axis, which wrap
-/// around for coordinates beyond 2^20 cells.
+/// around (negative coordinates come after positive ones).
 std::uint64_t morton_code(Vec3d p, double cell);
 
 }  // namespace pointbake

@@ -21,8 +21,15 @@ class Walker {
  public:
     Walker(const Tetrahedra& tets, const Cocone& cocone, const Context& context)
         : tets_(tets), context_(context), state_(tets.cells.size() * 4, kNone) {
-        for (std::size_t f = 0; f < state_.size(); ++f)
-            if ((cocone.facets[f] & kSurfaceFacet) != 0) state_[f] = kCandidate;
+        const double reach = getenv("REACH") ? atof(getenv("REACH")) : 5, reach2 = getenv("REACH2") ? atof(getenv("REACH2")) : 1.5;
+        for (std::size_t f = 0; f < state_.size(); ++f) {
+            if (cocone.facets[f] == 0) continue;
+            const auto t = tets.triangle(static_cast<HalfFacet>(f));
+            const Vec3d a = tets.points[t[1]] - tets.points[t[0]], b = tets.points[t[2]] - tets.points[t[0]];
+            const double r = 0.5*std::sqrt(squared_length(a) * squared_length(b) * squared_length(b - a) / squared_length(cross(a, b)));
+            const double sp = std::max({cocone.spacing[t[0]], cocone.spacing[t[1]], cocone.spacing[t[2]]});
+            if ((cocone.facets[f] & kSurfaceFacet) != 0 ? r <= reach * sp : r <= reach2 * sp) state_[f] = kCandidate;
+        }
     }
 
     FacetSurface run() {

@@ -12,11 +12,14 @@ namespace {
 
 constexpr std::size_t kRowGrain = 16;  // rows per chunk
 
+std::uint16_t root_of(double linear) {
+    return static_cast<std::uint16_t>(std::sqrt(linear) * 65535.0 + 0.5);
+}
+double linear_of(std::uint16_t root) { return (root / 65535.0) * (root / 65535.0); }
+
 MipLevel first_level(const Image& image, const Context& context) {
-    std::array<std::uint16_t, 256> linear;
-    for (unsigned v = 0; v < 256; ++v)
-        linear[v] = static_cast<std::uint16_t>(
-            srgb_to_linear(static_cast<std::uint16_t>(257 * v)) * 65535.0F + 0.5F);
+    std::array<std::uint16_t, 256> root;
+    for (unsigned v = 0; v < 256; ++v) root[v] = root_of(srgb_to_linear_exact(v / 255.0));
     MipLevel level{image.width, image.height, {}};
     level.texels.resize(image.num_texels());
     const auto width = static_cast<std::size_t>(image.width);
@@ -26,7 +29,7 @@ MipLevel first_level(const Image& image, const Context& context) {
                  [&](std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin * width; i < end * width; ++i)
                          for (std::size_t k = 0; k < 3; ++k)
-                             level.texels[i][k] = linear[image.pixels[i * channels + k * step]];
+                             level.texels[i][k] = root[image.pixels[i * channels + k * step]];
                  });
     return level;
 }
@@ -49,8 +52,7 @@ struct Cover {
 MipLevel halved(const MipLevel& from, const Context& context) {
     MipLevel to{std::max(1, from.width / 2), std::max(1, from.height / 2), {}};
     to.texels.resize(static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height));
-    const std::uint64_t whole =
-        static_cast<std::uint64_t>(from.width) * static_cast<std::uint64_t>(from.height);
+    const double whole = static_cast<double>(from.width) * from.height;
     parallel_for(context, static_cast<std::size_t>(to.height), kRowGrain,
                  [&](std::size_t begin, std::size_t end) {
                      for (auto y = static_cast<std::int64_t>(begin);
@@ -64,12 +66,13 @@ MipLevel halved(const MipLevel& from, const Context& context) {
                                      const std::uint64_t share = rows.share(j) * columns.share(i);
                                      const auto& texel =
                                          from.texels[static_cast<std::size_t>(j * from.width + i)];
-                                     for (std::size_t k = 0; k < 3; ++k) sum[k] += share * texel[k];
+                                     for (std::size_t k = 0; k < 3; ++k)
+                                         sum[k] += share * texel[k] * texel[k];
                                  }
                              auto& texel = to.texels[static_cast<std::size_t>(y * to.width + x)];
                              for (std::size_t k = 0; k < 3; ++k)
-                                 texel[k] =
-                                     static_cast<std::uint16_t>((sum[k] + whole / 2) / whole);
+                                 texel[k] = static_cast<std::uint16_t>(
+                                     std::sqrt(static_cast<double>(sum[k]) / whole) + 0.5);
                          }
                      }
                  });
@@ -95,7 +98,7 @@ std::array<double, 3> bilinear(const MipLevel& level, Vec2d at) {
             const std::size_t x = repeated(low.x + i, level.width);
             const std::size_t y = repeated(low.y + j, level.height);
             const auto& texel = level.texels[y * static_cast<std::size_t>(level.width) + x];
-            for (std::size_t k = 0; k < 3; ++k) sum[k] += weight * (texel[k] / 65535.0);
+            for (std::size_t k = 0; k < 3; ++k) sum[k] += weight * linear_of(texel[k]);
         }
     return sum;
 }

@@ -9,7 +9,7 @@
 
 namespace pointbake {
 
-/// Linear light, 16 bit per channel; rows from top to bottom.
+/// Rows from top to bottom; a channel holds 65535 sqrt(linear light): as fine in the dark as sRGB.
 struct MipLevel {
     int width = 0, height = 0;
     std::vector<std::array<std::uint16_t, 3>> texels;

@@ -17,9 +17,10 @@ constexpr std::int64_t kSubsteps = 1024;
 constexpr std::size_t kGrain = 512;  // triangles per chunk
 
 // The sum of the areas depends on how the grid falls on the borders of flat parts. Spacings around
-// the first guess, this far apart, are tried until the sum is within the tolerance.
+// the first guess are tried until the sum is within the tolerance. A square of n points repeats its
+// error when the spacing changes by the share 1 / sqrt(n): over all trials, a cube's sides by once.
 constexpr int kTrials = 24;
-constexpr double kTrialStep = 0.0002;
+constexpr double kTrialReach = 1.25;  // times 1 / sqrt(points), to either side
 constexpr double kAreaTolerance = 1e-4;
 
 std::int64_t floor_div(std::int64_t a, std::int64_t b) {
@@ -202,10 +203,11 @@ RayGridSamples sample_on_ray_grid(const Mesh& mesh, std::uint64_t count, const C
     }
 
     const double guess = std::sqrt(projected / static_cast<double>(count));
+    const double step = 2.0 * kTrialReach / (kTrials * std::sqrt(static_cast<double>(count)));
     double best_spacing = guess, best_error = HUGE_VAL;
     for (int trial = 0; trial < kTrials && best_error > kAreaTolerance * area; ++trial) {
         const int steps = trial % 2 == 0 ? trial / 2 : -(trial + 1) / 2;
-        const double spacing = guess * (1.0 + steps * kTrialStep);
+        const double spacing = guess * std::max(0.5, 1.0 + steps * step);
         const double error = std::fabs(RayGrid(mesh, box.low, spacing).count(context).area - area);
         if (error >= best_error) continue;
         best_error = error;

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::uint64_t kMostPoints = 500'000'000;  // five times as many still have an index
 constexpr std::size_t kGrain = 1024;                // points per chunk
+constexpr double kAreaTolerance = 1e-3;             // of the sum of areas; half of what is promised
 
 void validate(const SampleOptions& options) {
     if (options.points < 1 || options.points > kMostPoints)
@@ -55,15 +56,22 @@ struct Samples {
     double spacing = 0.0;  ///< for the choice of mip levels
 };
 
+/// With few points chance decides how many rays hit: then the areas are scaled to the surface's.
+void correct_sum_of_areas_in_place(std::vector<SurfaceSample>& samples, double area) {
+    double sum = 0.0;
+    for (const SurfaceSample& s : samples) sum += static_cast<double>(s.area);
+    if (std::fabs(sum - area) <= kAreaTolerance * area) return;
+    const auto equal = static_cast<float>(area / static_cast<double>(samples.size()));
+    for (SurfaceSample& s : samples)
+        s.area = sum > 0.0 ? static_cast<float>(static_cast<double>(s.area) * (area / sum)) : equal;
+}
+
 Samples ldc_samples(const Mesh& mesh, const SampleOptions& options, double area,
                     const Context& context) {
     RayGridSamples grid = sample_on_ray_grid(mesh, options.points, context);
-    const bool all_missed = grid.samples.empty();
     report_progress(context, "sample", 0.3);
     cover_gaps_in_place(grid, mesh, context);
-    if (all_missed)
-        for (SurfaceSample& s : grid.samples)
-            s.area = static_cast<float>(area / static_cast<double>(grid.samples.size()));
+    correct_sum_of_areas_in_place(grid.samples, area);
     return {std::move(grid.samples), grid.spacing};
 }
 

@@ -159,7 +159,7 @@ Vec3d Fitter::step(Index v) const {
         }
     }
     const double trace = q.trace();
-    return trace > 0.0 ? q.minimum_near(Vec3d{}, kStepPull / 3.0 * trace) : Vec3d{};
+    return trace > 0.0 ? q.minimum_near(Vec3d{}, kStepPull / 3.0 * trace, 1) : Vec3d{};
 }
 
 double Fitter::ring_error(Index v, const std::vector<FaceFrame>& frames,

@@ -16,6 +16,8 @@ constexpr double kBoundaryWeight = 4.0;
 // Pull towards the edge's midpoint, as a share of the quadric's mean eigenvalue: below this ratio of
 // curvatures a direction counts as flat.
 constexpr double kPlacementPull = 1e-3;
+// Each step cuts the pull's bias in a stiff direction by its ratio: three leave 1e-9 of it.
+constexpr int kPlacementSteps = 3;
 // A vertex farther than this many edge lengths from the edge's midpoint is a wild solution.
 constexpr double kMaxPlacement = 1.0;
 // Where the surface is flat the errors vanish: short edges first keeps triangles round. As a share
@@ -69,7 +71,7 @@ Vec3d CollapseOrder::placement(Index a, Index b, const Quadric& q) const {
     const Vec3d pa = surface_.positions[a], pb = surface_.positions[b];
     if (ka != kb) return ka > kb ? pa : pb;
     const Vec3d middle = (pa + pb) * 0.5;
-    const Vec3d x = q.minimum_near(middle, kPlacementPull / 3.0 * q.trace());
+    const Vec3d x = q.minimum_near(middle, kPlacementPull / 3.0 * q.trace(), kPlacementSteps);
     if (squared_length(x - middle) <= kMaxPlacement * kMaxPlacement * squared_length(pb - pa))
         return x;
     Vec3d best = middle;

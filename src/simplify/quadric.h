@@ -38,19 +38,23 @@ struct Quadric {
         return std::max(0.0, dot(x, times(x)) + 2.0 * dot(b, x) + c);
     }
 
-    /// The x that minimises this + pull * |x - anchor|^2. With pull > 0 the system is regular: flat
-    /// regions then keep the anchor's tangential place.
-    Vec3d minimum_near(Vec3d anchor, double pull) const {
-        // (A + pull I) (x - anchor) = -(A anchor + b), by the adjugate of a symmetric matrix.
-        const Vec3d r = -(times(anchor) + b);
+    /// The x of least value: found from `anchor` by steps that each minimise this + pull *
+    /// |x - previous x|^2. Directions much stiffer than `pull` are solved for, directions much
+    /// softer keep the anchor's place, so that flat regions are no trouble.
+    Vec3d minimum_near(Vec3d anchor, double pull, int num_steps) const {
+        // (A + pull I) step = -(A x + b), by the adjugate of a symmetric matrix.
         const double a = xx + pull, d = yy + pull, f = zz + pull;
         const double c00 = d * f - yz * yz, c01 = xz * yz - xy * f, c02 = xy * yz - xz * d;
         const double det = a * c00 + xy * c01 + xz * c02;
         if (!(det > 0.0)) return anchor;
         const double c11 = a * f - xz * xz, c12 = xy * xz - a * yz, c22 = a * d - xy * xy;
-        return anchor + Vec3d{c00 * r.x + c01 * r.y + c02 * r.z, c01 * r.x + c11 * r.y + c12 * r.z,
-                              c02 * r.x + c12 * r.y + c22 * r.z} /
-                            det;
+        Vec3d x = anchor;
+        for (int i = 0; i < num_steps; ++i) {
+            const Vec3d r = -(times(x) + b) / det;
+            x += Vec3d{c00 * r.x + c01 * r.y + c02 * r.z, c01 * r.x + c11 * r.y + c12 * r.z,
+                       c02 * r.x + c12 * r.y + c22 * r.z};
+        }
+        return x;
     }
 };
 

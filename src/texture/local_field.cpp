@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/hash.h"
 #include "texture/kernel.h"
 
 namespace pointbake {
@@ -15,6 +16,22 @@ constexpr float kMinWeight = 1e-5F;  // below, a place counts as not covered
 constexpr int kMaxCells = 64;        // per side of the bin grid
 
 }  // namespace
+
+bool LocalField::Seen::insert(Index triangle) {
+    std::size_t slot = hash64(triangle) % kSlots;
+    while (slots_[slot] != kInvalidIndex) {
+        if (slots_[slot] == triangle) return false;
+        slot = (slot + 1) % kSlots;
+    }
+    slots_[slot] = triangle;
+    used_.push_back(slot);
+    return true;
+}
+
+void LocalField::Seen::clear() {
+    for (std::size_t slot : used_) slots_[slot] = kInvalidIndex;
+    used_.clear();
+}
 
 void LocalField::gather(Index triangle, double border) {
     triangle_ = triangle;
@@ -32,6 +49,8 @@ void LocalField::unfold(Index triangle, double border) {
     const double low_x = -reach, high_x = home.base() + reach;
     const double low_y = -reach, high_y = home.height() + reach;
     queue_.clear();
+    seen_.clear();
+    seen_.insert(triangle);
     queue_.push_back({triangle, 1.0, 0.0, 0.0, 0.0});
     for (std::size_t head = 0; head < queue_.size() && queue_.size() < kMaxUnfolded; ++head) {
         const Unfolded at = queue_[head];
@@ -39,9 +58,7 @@ void LocalField::unfold(Index triangle, double border) {
         for (std::size_t k = 0; k < 3; ++k) {
             const Index next = scene_.neighbors[at.triangle][k];
             if (next == kInvalidIndex) continue;
-            const bool seen = std::any_of(queue_.begin(), queue_.end(),
-                                          [next](const Unfolded& u) { return u.triangle == next; });
-            if (seen) continue;
+            if (!seen_.insert(next)) continue;
             // The shared edge in both frames gives the rotation and the shift.
             const Triangle& tri = scene_.mesh.triangles[next];
             const Index a_vertex = scene_.mesh.triangles[at.triangle][k];
@@ -150,7 +167,7 @@ SplatSum LocalField::evaluate(Vec2f x, std::span<const Vec3f> values,
         const float dx = x.x - s.center.x, dy = x.y - s.center.y;
         const float q = v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy;
         if (!(q < kKernelCut2) || (!skip.empty() && skip[s.item])) continue;
-        const float w = kKernel(q);
+        const float w = kernel(q);
         out.sum += values[s.item] * w;
         out.weight += w;
     }
@@ -169,7 +186,7 @@ SplatSum LocalField::evaluate_wide(Vec2f x, std::span<const Vec3f> values,
             const float dx = x.x - s.center.x, dy = x.y - s.center.y;
             const float q = (v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy) / widen;
             if (!(q < kKernelCut2)) continue;
-            const float w = kKernel(q);
+            const float w = kernel(q);
             out.sum += values[s.item] * w;
             out.weight += w;
         }

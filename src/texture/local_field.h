@@ -52,6 +52,17 @@ class LocalField {
         Index triangle;
         double c, s, tx, ty;  ///< x' = c x - s y + tx, y' = s x + c y + ty
     };
+    // Triangles unfolded so far: a small open-addressing set.
+    class Seen {
+     public:
+        bool insert(Index triangle);  ///< false if it was there
+        void clear();
+
+     private:
+        static constexpr std::size_t kSlots = 2048;  ///< several times the most that is unfolded
+        std::vector<Index> slots_ = std::vector<Index>(kSlots, kInvalidIndex);
+        std::vector<std::size_t> used_;
+    };
     struct Inverse {
         float a, b, c, radius_x, radius_y;
     };
@@ -64,6 +75,7 @@ class LocalField {
     SplatScene scene_;
     Index triangle_ = kInvalidIndex;
     std::vector<Unfolded> queue_;
+    Seen seen_;
     std::vector<LocalSplat> splats_;
     std::vector<Inverse> inverses_;
 

@@ -41,13 +41,13 @@ bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, S
     return true;
 }
 
-struct Accumulator {
-    Vec3f sum{};
-    float weight = 0.0F;
+// Sums of weight * value and of weight, a plane each: the inner loop runs over whole vectors.
+struct Sums {
+    std::vector<float> red, green, blue, weight;
+    explicit Sums(std::size_t n) : red(n), green(n), blue(n), weight(n) {}
 };
 
-void accumulate(const ScreenSplat& s, const NeedSet& need, int width,
-                std::vector<Accumulator>& texels) {
+void accumulate(const ScreenSplat& s, const NeedSet& need, int width, Sums& sums) {
     const int first_row =
         std::max(0, static_cast<int>(std::ceil(s.y - s.radius_y)) - need.offset_y);
     const int last_row = std::min(need.shape.height() - 1,
@@ -63,14 +63,20 @@ void accumulate(const ScreenSplat& s, const NeedSet& need, int width,
             std::max(span.left, static_cast<int>(std::ceil(middle - half)) - need.offset_x);
         const int right =
             std::min(span.right, static_cast<int>(std::floor(middle + half)) - need.offset_x);
-        Accumulator* out = texels.data() + static_cast<std::ptrdiff_t>(row) * width;
+        const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
+        float* __restrict red = sums.red.data() + at;
+        float* __restrict green = sums.green.data() + at;
+        float* __restrict blue = sums.blue.data() + at;
+        float* __restrict weight = sums.weight.data() + at;
+        const float linear = 2.0F * s.b * dy, constant = s.c * dy * dy;
+        const float shift = static_cast<float>(need.offset_x) - s.x;
         for (int i = left; i <= right; ++i) {
-            const float dx = static_cast<float>(i + need.offset_x) - s.x;
-            const float q = (s.a * dx + 2.0F * s.b * dy) * dx + s.c * dy * dy;
-            if (!(q < kKernelCut2)) continue;
-            const float w = s.amplitude * kKernel(std::max(q, 0.0F));
-            out[i].sum += s.value * w;
-            out[i].weight += w;
+            const float dx = static_cast<float>(i) + shift;
+            const float w = s.amplitude * kernel((s.a * dx + linear) * dx + constant);
+            red[i] += s.value.x * w;
+            green[i] += s.value.y * w;
+            blue[i] += s.value.z * w;
+            weight[i] += w;
         }
     }
 }
@@ -121,26 +127,24 @@ PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, 
     patch.layout = layout;
     patch.need = need_set(layout.corners);
     const int width = patch.width(), height = patch.need.shape.height();
-    std::vector<Accumulator> texels(static_cast<std::size_t>(width) *
-                                    static_cast<std::size_t>(height));
+    Sums sums(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     for (const LocalSplat& s : field.splats()) {
         ScreenSplat screen;
         if (!to_screen(s, layout, low_pass, screen)) continue;
         screen.value = values[s.item];
-        accumulate(screen, patch.need, width, texels);
+        accumulate(screen, patch.need, width, sums);
     }
-    patch.values.resize(texels.size());
+    patch.values.resize(sums.weight.size());
     for (int row = 0; row < height; ++row) {
         const PatchShape::Span span = patch.need.shape.rows[static_cast<std::size_t>(row)];
         for (int i = span.left; i <= span.right; ++i) {
             const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
                             static_cast<std::size_t>(i);
-            Accumulator& texel = texels[at];
+            SplatSum texel{{sums.red[at], sums.green[at], sums.blue[at]}, sums.weight[at]};
             if (!(texel.weight > kMinWeight)) {
                 const Vec2f u{static_cast<float>(i + patch.need.offset_x),
                               static_cast<float>(row + patch.need.offset_y)};
-                const SplatSum wide = field.evaluate(layout.place_of(u), values);
-                texel = {wide.sum, wide.weight};
+                texel = field.evaluate(layout.place_of(u), values);
                 ++patch.num_uncovered;
             }
             if (texel.weight > 0.0F) patch.values[at] = texel.sum / texel.weight;

@@ -79,7 +79,7 @@ std::string cloud_header(const PointCloud& cloud, const Layout& layout) {
     if (!cloud.areas.empty()) header.property("float", "area");
     if (!cloud.axes.empty()) header.properties("float", {"ux", "uy", "uz", "vx", "vy", "vz"});
     if (!cloud.sensors.empty()) header.properties("float", {"sensor_x", "sensor_y", "sensor_z"});
-    if (!cloud.weights.empty()) header.property("float", "confidence");
+    if (!cloud.weights.empty()) header.property("float", "weight");
     if (!cloud.rows.empty()) header.property(layout.as_uint ? "uint" : "double", "row");
     for (const Channel& channel : cloud.channels)
         for (Index k = 0; k < channel.num_components; ++k)

@@ -83,7 +83,8 @@ TEST(Usage, TheManualNamesEveryOption) {
     std::stringstream manual;
     manual << file.rdbuf();
     const ProgramRun dump = run_program(folder, {"--dump-options"});
-    for (const auto& [name, value] : nlohmann::json::parse(dump.out).items())
+    const nlohmann::json options = nlohmann::json::parse(dump.out);
+    for (const auto& [name, value] : options.items())
         EXPECT_THAT(manual.str(), HasSubstr("`--" + name)) << "docs/cli.md";
 }
 

@@ -96,7 +96,8 @@ TEST(Order, MergesEqualPointsIntoTheLowestRow) {
 }
 
 TEST(Order, FollowsTheMortonCurve) {
-    EXPECT_LT(morton_code({-0.5, 0, 0}, 1.0), morton_code({0.5, 0, 0}, 1.0));
+    EXPECT_GT(morton_code({-0.5, 0, 0}, 1.0), morton_code({0.5, 0, 0}, 1.0));
+    EXPECT_EQ(morton_code({0, 2097152.0 + 5, 0}, 1.0), morton_code({0, 5, 0}, 1.0));
     EXPECT_EQ(morton_code({1, 0, 0}, 1.0) ^ morton_code({0, 0, 0}, 1.0), 4U);
     EXPECT_EQ(morton_code({0, 1, 0}, 1.0) ^ morton_code({0, 0, 0}, 1.0), 2U);
     EXPECT_EQ(morton_code({0, 0, 1}, 1.0) ^ morton_code({0, 0, 0}, 1.0), 1U);
