@@ -30,9 +30,12 @@ struct SampleOptions {
 
 /// Surfels with positions, normals, radii, areas and colours, ready to convert again. ldc
 /// [Pfister00]: one ray grid per triangle along its dominant axis, so every sample stands for
-/// exactly spacing^2 / |n_axis|; the areas sum to the surface's and every surface point is within
-/// 0.87 of the spacing. blue [Yuksel15]: weighted sample elimination from 5 N random ones. Colours
-/// come from the mip level whose texel is at most the spacing.
+/// exactly spacing^2 / |n_axis|; the areas sum to the surface's within 0.2 % and every surface
+/// point is within 0.87 of the spacing (where the axis changes and at borders by added samples,
+/// which take half their neighbour's area). blue [Yuksel15]: weighted sample elimination from 5 N
+/// random ones. Colours come from the mip level whose texel is at most the spacing; a mesh without
+/// any gives points without. Throws Error{kInvalidOption, kInvalidInput}, and Error{kDegenerate}
+/// for a mesh without area.
 PointCloud sample(const TexturedMesh& mesh, const SampleOptions& options = {},
                   const Context& context = {});
 

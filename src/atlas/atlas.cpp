@@ -15,34 +15,21 @@
 namespace pointbake {
 namespace {
 
-// pack() tries pages of growing size, from the sum of the shapes on. A step is this share of what
-// the last pages had no room for (more could be too much, as larger pages also fill better), and at
-// least kLeastGrowth. Once shapes fit, pages between the last two sizes are tried.
-constexpr double kStep = 0.8;
-constexpr double kLeastGrowth = 1.004;
-constexpr int kNumRefinements = 5;
+// pack() tries pages that shapes would fill to this share, lowers it by a step until they fit, and
+// halves the interval between the last two sizes as often as here said: the fill is within a
+// percent of what can be had.
+constexpr double kFirstFill = 0.93;
+constexpr double kFillStep = 0.85;
+constexpr int kNumRefinements = 4;
 
-// Share of the free texels that lower shapes would still fill where a taller one does not fit.
-constexpr double kUsefulShare = 0.9;
-
-struct Attempt {
-    std::vector<PageSize> pages;
-    std::optional<Layout> layout;  // of all shapes, or nothing
-    double num_missing = 0.0;      // texels that the pages lack, about
-};
-
-Attempt try_pages(const ShapeSet& shapes, std::vector<PageSize> pages, const AtlasOptions& options,
-                  const Context& context) {
+std::optional<Layout> try_pages(const ShapeSet& shapes, std::span<const PageSize> pages,
+                                const AtlasOptions& options, const Context& context) {
     Layout layout(pages, shapes.size());
-    const bool is_paper = options.packer == Packer::kAppendixA;
-    if ((is_paper ? pack_appendix_a : pack_rows)(shapes, layout, context))
-        return {std::move(pages), std::move(layout), 0.0};
-    std::int64_t placed = 0;
-    for (int rank = 0; rank < shapes.size(); ++rank)
-        if (layout.spot(rank).page != kUnplaced) placed += shapes[rank].num_texels;
-    const auto free = static_cast<double>(num_texels(pages) - placed);
-    return {std::move(pages), std::nullopt,
-            static_cast<double>(shapes.num_texels() - placed) - kUsefulShare * free};
+    const bool has_room = options.packer == Packer::kAppendixA
+                              ? pack_appendix_a(shapes, layout, context)
+                              : pack_rows(shapes, layout, context);
+    if (!has_room) return std::nullopt;
+    return layout;
 }
 
 Packing to_packing(const ShapeSet& shapes, const Layout& layout) {
@@ -77,11 +64,10 @@ std::optional<Packing> pack_into(std::span<const PatchShape> shapes,
     validate(shapes, largest);
     check_cancelled(context);
     const ShapeSet set(shapes);
-    std::vector<PageSize> sizes(pages.begin(), pages.end());
-    if (set.num_texels() > num_texels(sizes)) return std::nullopt;
-    const Attempt attempt = try_pages(set, std::move(sizes), options, context);
-    if (!attempt.layout) return std::nullopt;
-    return to_packing(set, *attempt.layout);
+    if (set.num_texels() > num_texels(pages)) return std::nullopt;
+    const std::optional<Layout> layout = try_pages(set, pages, options, context);
+    if (!layout) return std::nullopt;
+    return to_packing(set, *layout);
 }
 
 Packing pack(std::span<const PatchShape> shapes, const AtlasOptions& options,
@@ -93,31 +79,27 @@ Packing pack(std::span<const PatchShape> shapes, const AtlasOptions& options,
     const ShapeSet set(shapes);
     if (set.size() == 0) return {};
     const PageSize smallest{set.max_width(), set.max_height()};
-    const auto try_texels = [&](double texels) {
-        return try_pages(
-            set, pages_that_hold(static_cast<std::int64_t>(std::ceil(texels)), smallest, options),
-            options, context);
+    const auto pages_for = [&](double texels) {
+        return pages_that_hold(static_cast<std::int64_t>(std::ceil(texels)), smallest, options);
     };
-    const auto needed = static_cast<double>(set.num_texels());
-    double too_few = 0.0;  // rooms that pages of this many texels have not
-    Attempt best = try_texels(needed);
-    while (!best.layout) {
-        too_few = static_cast<double>(num_texels(best.pages));
-        best = try_texels(std::max(kLeastGrowth * too_few, too_few + kStep * best.num_missing));
+    double too_few = static_cast<double>(set.num_texels());
+    double enough = too_few / kFirstFill;
+    std::optional<Layout> best;
+    while (!(best = try_pages(set, pages_for(enough), options, context))) {
+        too_few = enough;
+        enough /= kFillStep;
     }
-    double enough = static_cast<double>(num_texels(best.pages));
-    for (int i = 0; i < kNumRefinements && enough > kLeastGrowth * too_few && too_few > 0.0; ++i) {
+    for (int i = 0; i < kNumRefinements; ++i) {
         const double middle = 0.5 * (too_few + enough);
-        const auto pages = pages_that_hold(static_cast<std::int64_t>(middle), smallest, options);
-        if (num_texels(pages) == num_texels(best.pages)) {
-            enough = middle;
-            continue;
-        }
-        Attempt attempt = try_pages(set, pages, options, context);
-        (attempt.layout ? enough : too_few) = static_cast<double>(num_texels(pages));
-        if (attempt.layout) best = std::move(attempt);
+        const std::vector<PageSize> pages = pages_for(middle);
+        std::optional<Layout> layout;
+        if (num_texels(pages) != num_texels(best->pages))
+            layout = try_pages(set, pages, options, context);
+        if (layout) best = std::move(layout);
+        const bool fits = num_texels(pages) == num_texels(best->pages);
+        (fits ? enough : too_few) = middle;
     }
-    return to_packing(set, *best.layout);
+    return to_packing(set, *best);
 }
 
 }  // namespace pointbake

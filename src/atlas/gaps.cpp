@@ -120,8 +120,11 @@ bool GapFiller::fits(const FreeTexels& page, int rank, Spot& spot) {
         if (page.longest_run(spot.y + j) < length(j)) return false;
     const int words = page.words();
     found_.assign(static_cast<std::size_t>(words), ~Word{0});
-    for (int j = 0; j < item.height; ++j)
+    // from both ends: one of them is the longest row, which fits least often
+    for (int k = 0; k < item.height; ++k) {
+        const int j = k % 2 == 0 ? item.height - 1 - k / 2 : k / 2;
         if (!keep_starts(page.row(spot.y + j), words, left[j], length(j))) return false;
+    }
     for (int w = 0;; ++w) {
         const Word found = found_[static_cast<std::size_t>(w)];
         if (found == 0) continue;

@@ -89,7 +89,7 @@ int largest_side(const AtlasOptions& options) {
     return options.page_size / kPageUnit * kPageUnit;
 }
 
-std::int64_t num_texels(const std::vector<PageSize>& pages) {
+std::int64_t num_texels(std::span<const PageSize> pages) {
     std::int64_t sum = 0;
     for (const PageSize& page : pages) sum += num_texels(page);
     return sum;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pointbake/atlas.h"
@@ -23,6 +24,6 @@ std::vector<PageSize> pages_that_hold(std::int64_t texels, PageSize smallest,
                                       const AtlasOptions& options);
 
 inline std::int64_t num_texels(PageSize page) { return std::int64_t{page.width} * page.height; }
-std::int64_t num_texels(const std::vector<PageSize>& pages);
+std::int64_t num_texels(std::span<const PageSize> pages);
 
 }  // namespace pointbake

@@ -5,8 +5,10 @@
 // beside its shorter shapes, its end) is filled by later, smaller ones.
 #include "atlas/rows.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "atlas/gaps.h"
 #include "atlas/match_index.h"
@@ -61,14 +63,19 @@ std::int64_t sum_of(const std::int16_t* edge, int height) {
     return std::accumulate(edge, edge + height, std::int64_t{0});
 }
 
+// Leftovers are searched one by one: beyond this many, the smaller half is given up.
+constexpr std::size_t kMaxLeftovers = 4096;
+
 // A part of a row that shapes have left free; lower shapes may still lie at its far end, where the
 // edge is often farther left.
 struct Leftover {
     Row row;
     std::vector<std::int16_t> start;  // start[k]: rightmost edge of the last k scan lines
+    std::int64_t area = 0;
 
     explicit Leftover(Row r) : row(std::move(r)) { measure(); }
     void measure() {
+        area = std::int64_t{row.height} * row.limit - sum_of(row.edge.data(), row.height);
         start.assign(static_cast<std::size_t>(row.height) + 1, 0);
         for (std::size_t k = 1; k < start.size(); ++k)
             start[k] = std::max(start[k - 1], row.edge[static_cast<std::size_t>(row.height) - k]);
@@ -140,58 +147,69 @@ class RowPacker {
     }
 
     // Fills a row from left to right. False if nothing fits.
-    bool fill(Row& row, bool tries_all) {
-        bool has_placed = false;
-        for (Candidate c = best(row, tries_all); c.rank != kUnplaced; c = best(row, false)) {
+    bool fill(Row& row, bool is_last_resort) {
+        Candidate c = best(row);
+        if (c.rank == kUnplaced && is_last_resort) c = widest_that_fits(row);
+        const bool has_placed = c.rank != kUnplaced;
+        for (; c.rank != kUnplaced; c = best(row)) {
             if (c.waste >= kWorthGap) keep_gap(row, c);
             put(shapes_, c.rank, c.pose, c.x, 0, row, layout_);
             index_.remove(c.class_index, c.rank);
             if (gaps_) gaps_->take(c.rank);
-            has_placed = true;
         }
         return has_placed;
     }
 
-    Candidate best(const Row& row, bool tries_all) {
+    Candidate best(const Row& row) {
         Candidate best;
         int num_tried = 0;
         const auto& classes = index_.classes();
         const double lowest = row.height * kLowestShare;
         for (std::size_t c = tallest_; c < classes.size() && classes[c].height >= lowest; ++c) {
             if (classes[c].num_left == 0) continue;
-            const int trials = tries_all ? std::numeric_limits<int>::max()
-                                         : std::max(kTrials - num_tried, kTrialsPerClass);
-            num_tried += try_class(row, c, trials, best);
+            const MatchIndex::HeightClass& like = classes[c];
+            const int trials = std::max(kTrials - num_tried, kTrialsPerClass);
+            MatchIndex::Walk walk(index_, like, lean(row.edge.data(), like.height));
+            const std::int64_t edge_sum = sum_of(row.edge.data(), like.height);
+            for (int n = 0; n < trials; ++n, ++num_tried) {
+                const MatchIndex::Entry* const e = walk.next();
+                if (e == nullptr) break;
+                try_shape(row, edge_sum, c, e->rank, e->pose, best);
+            }
             if (num_tried >= (best.rank == kUnplaced ? kMaxTrials : kTrials)) break;
         }
         return best;
     }
 
-    // Tries shapes of one height at the row's edge; returns how many.
-    int try_class(const Row& row, std::size_t class_index, int trials, Candidate& best) {
-        const MatchIndex::HeightClass& c = index_.classes()[class_index];
-        const std::int16_t* const edge = row.edge.data();
-        const std::int64_t edge_sum = sum_of(edge, c.height);
-        const int blocks = num_blocks(c.height);
-        MatchIndex::Walk walk(index_, c, lean(edge, c.height));
-        for (int n = 0; n < trials; ++n) {
-            const MatchIndex::Entry* const e = walk.next();
-            if (e == nullptr) return n;
-            const int x = leftmost(edge, shapes_.left_profile(e->rank, e->pose), blocks);
-            const int width = shapes_[e->rank].width;
-            if (x + width > row.limit) continue;
-            const std::int64_t waste = std::int64_t{c.height} * x + profile_sum(*e) - edge_sum;
-            const double score =
-                static_cast<double>(waste) + kHeightLoss * (row.height - c.height) * width;
-            if (score < best.score) best = {class_index, e->rank, e->pose, x, waste, score};
-        }
-        return trials;
+    // Of the tallest class: narrow shapes may be too far away by lean for best().
+    Candidate widest_that_fits(const Row& row) {
+        Candidate best;
+        const std::int64_t edge_sum = sum_of(row.edge.data(), row.height);
+        int rank = tallest().first_rank;
+        const int width = row.limit - *std::max_element(row.edge.begin(), row.edge.end());
+        while (rank < tallest().last_rank && (shapes_[rank].width > width || !index_.is_left(rank)))
+            ++rank;
+        for (int pose = 0; pose < kNumPoses && rank < tallest().last_rank; ++pose)
+            try_shape(row, edge_sum, tallest_, rank, pose, best);
+        return best;
+    }
+
+    void try_shape(const Row& row, std::int64_t edge_sum, std::size_t class_index, int rank,
+                   int pose, Candidate& best) const {
+        const int height = index_.classes()[class_index].height;
+        const int width = shapes_[rank].width;
+        const int x =
+            leftmost(row.edge.data(), shapes_.left_profile(rank, pose), num_blocks(height));
+        if (x + width > row.limit) return;
+        const std::int64_t waste = std::int64_t{height} * x + profile_sum(rank, pose) - edge_sum;
+        const double score =
+            static_cast<double>(waste) + kHeightLoss * (row.height - height) * width;
+        if (score < best.score) best = {class_index, rank, pose, x, waste, score};
     }
 
     // Mirroring in y does not change the sum.
-    std::int64_t profile_sum(const MatchIndex::Entry& e) const {
-        return profile_sums_[static_cast<std::size_t>(2 * e.rank +
-                                                      (is_mirrored_x(e.pose) ? 1 : 0))];
+    std::int64_t profile_sum(int rank, int pose) const {
+        return profile_sums_[static_cast<std::size_t>(2 * rank + (is_mirrored_x(pose) ? 1 : 0))];
     }
 
     void keep_leftover(const Row& row) {
@@ -199,8 +217,15 @@ class RowPacker {
         while (full < row.height &&
                row.limit - row.edge[static_cast<std::size_t>(full)] < kNarrowest)
             ++full;
-        if (full < row.height)
-            leftovers_.emplace_back(slice(row, full, row.height - full, row.limit));
+        if (full == row.height) return;
+        leftovers_.emplace_back(slice(row, full, row.height - full, row.limit));
+        if (leftovers_.size() <= kMaxLeftovers) return;
+        std::sort(leftovers_.begin(), leftovers_.end(), [](const Leftover& a, const Leftover& b) {
+            if (a.area != b.area) return a.area > b.area;
+            if (a.row.page != b.row.page) return a.row.page < b.row.page;
+            return a.row.y != b.row.y ? a.row.y < b.row.y : a.row.limit < b.row.limit;
+        });
+        leftovers_.erase(leftovers_.begin() + kMaxLeftovers / 2, leftovers_.end());
     }
 
     // Keeps what a shape to be placed will shut off from the row, in bands that end straight.

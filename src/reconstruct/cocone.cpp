@@ -16,6 +16,9 @@ constexpr double kRho = 1.0 / 1.2;                 // flat: co-cone radius <= rh
 constexpr double kCosAlpha = 0.5;  // flat: normals of co-cone neighbours within 60 degrees
 // Where rounding makes a cell's volume zero or negative: its share of the edges' product.
 constexpr double kFlatCell = 1e-17;
+// Spacing: distance to this Delaunay neighbour; high enough that points on scan lines count points
+// of the next line too, or nearly.
+constexpr std::size_t kSpacingRank = 6;
 constexpr std::size_t kGrain = 1U << 11;
 
 // Circumcentre of a cell = its first vertex + num / den, den > 0.
@@ -123,22 +126,26 @@ struct Builder {
         return squared_length(y2.dir * a1 - y1.dir * a2) / (den * den);
     }
 
-    void measure_cocone(Index v, double height2, std::vector<int>& sides,
-                        std::vector<double>& lengths2) {
+    void measure_cocone(Index v, double height2, std::vector<int>& sides) {
         double radius2 = 0.0;
-        lengths2.clear();
-        for_each_accepted(v, sides, [&](Index c, Index n, std::size_t i) {
+        for_each_accepted(v, sides, [&](Index c, Index n, std::size_t) {
             radius2 = std::max(radius2, crossing_distance2(v, c, n));
-            for (std::size_t k = 0; k < 4; ++k) {
-                const Index q = tets.cells[c][k];
-                if (k != i && q != v && !tets.is_far(q))
-                    lengths2.push_back(squared_length(tets.points[q] - tets.points[v]));
-            }
         });
-        const auto middle = lengths2.begin() + static_cast<std::ptrdiff_t>(lengths2.size() / 2);
-        if (!lengths2.empty()) std::nth_element(lengths2.begin(), middle, lengths2.end());
-        out.spacing[v] = lengths2.empty() ? 0.0F : static_cast<float>(std::sqrt(*middle));
         ratio_holds[v] = radius2 <= kRho * kRho * height2 ? 1 : 0;
+    }
+
+    void measure_spacing(Index v, std::vector<Index>& near, std::vector<double>& lengths2) {
+        near.clear(), lengths2.clear();
+        for (Index c : tets.star(v)) near.insert(near.end(), tets.cells[c].begin(), tets.cells[c].end());
+        std::sort(near.begin(), near.end());
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+        for (Index q : near)
+            if (q != v && !tets.is_far(q))
+                lengths2.push_back(squared_length(tets.points[q] - tets.points[v]));
+        if (lengths2.empty()) return;
+        const auto rank = static_cast<std::ptrdiff_t>(std::min(kSpacingRank, lengths2.size())) - 1;
+        std::nth_element(lengths2.begin(), lengths2.begin() + rank, lengths2.end());
+        out.spacing[v] = static_cast<float>(std::sqrt(lengths2[static_cast<std::size_t>(rank)]));
     }
 
     void measure_vertices() {
@@ -148,10 +155,12 @@ struct Builder {
         parallel_for(context, tets.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
             std::vector<Seen> seen;
             std::vector<int> sides;
+            std::vector<Index> near;
             std::vector<double> lengths2;
             for (Index v = static_cast<Index>(begin); v < end; ++v) {
                 const double height2 = find_pole(v, seen);
-                measure_cocone(v, height2, sides, lengths2);
+                measure_cocone(v, height2, sides);
+                measure_spacing(v, near, lengths2);
             }
         });
     }

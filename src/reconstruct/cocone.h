@@ -16,7 +16,7 @@ enum FacetFlag : std::uint8_t {
 
 struct Cocone {
     std::vector<Vec3d> normals;        ///< unit, direction of the pole; sign without meaning
-    std::vector<float> spacing;        ///< median distance to the co-cone neighbours
+    std::vector<float> spacing;        ///< distance to the 6th nearest Delaunay neighbour
     std::vector<std::uint8_t> flat;    ///< 1 = well sampled, inside the surface
     std::vector<std::uint8_t> facets;  ///< flags per half facet, the same on both sides
     Index num_flat = 0;

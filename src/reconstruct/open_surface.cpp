@@ -27,7 +27,8 @@ class Walker {
             const auto t = tets.triangle(static_cast<HalfFacet>(f));
             const Vec3d a = tets.points[t[1]] - tets.points[t[0]], b = tets.points[t[2]] - tets.points[t[0]];
             const double r = 0.5*std::sqrt(squared_length(a) * squared_length(b) * squared_length(b - a) / squared_length(cross(a, b)));
-            const double sp = std::max({cocone.spacing[t[0]], cocone.spacing[t[1]], cocone.spacing[t[2]]});
+            std::array<float,3> spp{cocone.spacing[t[0]], cocone.spacing[t[1]], cocone.spacing[t[2]]}; std::sort(spp.begin(),spp.end());
+            const double sp = spp[getenv("SEL")?atoi(getenv("SEL")):1];
             if ((cocone.facets[f] & kSurfaceFacet) != 0 ? r <= reach * sp : r <= reach2 * sp) state_[f] = kCandidate;
         }
     }

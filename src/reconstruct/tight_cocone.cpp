@@ -9,6 +9,7 @@
 
 #include "core/adjacency.h"
 #include "core/parallel.h"
+#include "reconstruct/min_cut.h"
 
 namespace pointbake {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 constexpr double kFoldedCos = -0.9;  // facets folded onto each other at an edge
 // Pieces with fewer facets are slips: a tetrahedron has 4, a cube of two triangles a side 12.
 constexpr Index kMinFacets = 12;
+// Cut costs in integers: of a facet as large as the squared spacing, and the largest.
+constexpr std::int64_t kUnitCost = 64, kMaxCost = 1 << 20;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -32,7 +35,7 @@ class Labeller {
         split_stars();
         find_patches();
         orient_patches();
-        peel();
+        settle();
         return finish();
     }
 
@@ -261,61 +264,67 @@ class Labeller {
         return votes;
     }
 
-    double circumradius2(HalfFacet facet) const {
-        const auto [i, j, k] = tets_.triangle(facet);
-        const Vec3d a = tets_.points[j] - tets_.points[i], b = tets_.points[k] - tets_.points[i];
-        const double n2 = squared_length(cross(a, b));
-        if (n2 <= 0) return HUGE_VAL;
-        return squared_length(a) * squared_length(b) * squared_length(b - a) / (4.0 * n2);
-    }
+    enum class Side : std::uint8_t { kOpen, kOut, kIn };
 
-    bool is_smallest(HalfFacet facet) const {
-        const double own = circumradius2(facet);
-        for (Index i = 0; i < 4; ++i)
-            if (i != facet % 4 && circumradius2(facet / 4 * 4 + i) < own) return false;
-        return true;
-    }
-
-    bool may_enter(HalfFacet entered) const {
-        const Index cell = entered / 4;
+    // Cells whose votes are unanimous have a side.
+    Side settled_side(Index cell) const {
+        if (tets_.has_far(cell)) return Side::kOut;
         const Votes votes = votes_of(cell);
-        if (votes.out != votes.in) return votes.out > votes.in;
-        return !is_smallest(entered);
+        static const int mv = getenv("MV") ? atoi(getenv("MV")) : 2;
+        if (votes.out >= mv && votes.in == 0) return Side::kOut;
+        if (votes.in >= mv && votes.out == 0) return Side::kIn;
+        return Side::kOpen;
     }
 
-    // Walks from outside through facets; a cell without a side is entered unless the facet is its
-    // smallest one.
-    void peel() {
-        outside_.assign(tets_.num_cells(), 0);
-        std::deque<Index> queue;
-        for (Index c = 0; c < tets_.num_cells(); ++c) {
-            const Votes votes = votes_of(c);
-            if (!tets_.has_far(c) && votes.out <= votes.in) continue;
-            outside_[c] = 1;
-            queue.push_back(c);
+    // What it costs to have this facet in the surface: its area in units of the local spacing, next
+    // to nothing where Cocone found it.
+    std::int64_t facet_cost(HalfFacet facet) const {
+        static const double ag = getenv("AGREED") ? atof(getenv("AGREED")) : 0.3;
+        if (wall_[facet] != 0) return 1;
+        double spacing2 = 0.0;
+        for (Index v : tets_.triangle(facet)) {
+            if (tets_.is_far(v)) return kMaxCost;
+            spacing2 = std::max(spacing2, double{cocone_.spacing[v]} * cocone_.spacing[v]);
         }
-        for (std::size_t n = 0; !queue.empty(); ++n) {
-            if (n % kPollInterval == 0) check_cancelled(context_);
-            const Index c = queue.front();
-            queue.pop_front();
+        const double area = length(tets_.area_vector(facet));
+        const double factor = cocone_.facets[facet] != 0 ? ag : 1.0;
+        const double cost = kUnitCost * factor * area / spacing2;
+        return 1 + static_cast<std::int64_t>(std::min(cost, double{kMaxCost}));
+    }
+
+    // The open cells get the labels that cost least: a minimum cut between the settled ones.
+    void settle() {
+        const Index n = tets_.num_cells();
+        std::vector<Index> nodes, node_of(n, kInvalidIndex);
+        std::vector<Side> sides(n);
+        parallel_for(context_, n, kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t c = begin; c < end; ++c) sides[c] = settled_side(static_cast<Index>(c));
+        });
+        for (Index c = 0; c < n; ++c) {
+            if (sides[c] != Side::kOpen) continue;
+            node_of[c] = static_cast<Index>(nodes.size());
+            nodes.push_back(c);
+        }
+        MinCut cut(nodes.size());
+        static const double vc = getenv("VOTE") ? atof(getenv("VOTE")) : 1;
+        for (Index c : nodes) {
+            const Votes votes = votes_of(c);
+            cut.add_terminal(node_of[c], static_cast<std::int64_t>(vc*kUnitCost) * (votes.out - votes.in));
             for (Index i = 0; i < 4; ++i) {
-                const HalfFacet entered = tets_.mirror(c * 4 + i);
-                if (entered == kInvalidIndex || outside_[entered / 4] != 0) continue;
-                if (!may_enter(entered)) continue;
-                outside_[entered / 4] = 1;
-                queue.push_back(entered / 4);
-                discover(entered / 4);
+                const Index other = tets_.neighbors[c][i];
+                const std::int64_t cost = facet_cost(c * 4 + i);
+                if (sides[other] == Side::kOpen) {
+                    if (other > c) cut.add_edge(node_of[c], node_of[other], cost);
+                } else {
+                    cut.add_terminal(node_of[c], sides[other] == Side::kOut ? cost : -cost);
+                }
             }
         }
-    }
-
-    // A patch that the far points do not see is met from outside here.
-    void discover(Index cell) {
-        for (Index v : tets_.cells[cell]) {
-            if (tets_.is_far(v) || good_[v] == 0) continue;
-            Orientation& o = orientation_[patch_of_[v]];
-            if (o == kUnknown) o = side(cell, v) > 0 ? kFirstIsOut : kFirstIsIn;
-        }
+        cut.solve(context_);
+        outside_.resize(n);
+        for (Index c = 0; c < n; ++c)
+            outside_[c] = sides[c] == Side::kOut || (sides[c] == Side::kOpen && cut.is_source(node_of[c]));
+        if(getenv("DBG")) fprintf(stderr,"  open cells %zu\n", nodes.size());
     }
 
     // Connected pieces of inside cells, and of outside ones that no far point is part of, take the

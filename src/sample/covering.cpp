@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <unordered_map>
 
 #include "core/adjacency.h"
@@ -29,11 +28,6 @@ constexpr double kSeamStep = 0.5;  // between the points that stand for a seam
 constexpr double kCreaseCosine = 0.94;
 
 constexpr std::size_t kGrain = 64;  // triangles per chunk
-
-std::size_t dominant_axis(Vec3d n) {
-    const Vec3d a{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
-    return a.x >= a.y && a.x >= a.z ? 0U : (a.y >= a.z ? 1U : 2U);
-}
 
 /// True if the grid does not simply go on from triangle s to its neighbour t.
 bool is_seam(const Mesh& mesh, Index s, Index t) {

@@ -67,7 +67,7 @@ void clip(Range& range, Corner a, Corner b, std::int64_t y) {
         range.last = std::min(range.last, floor_div(-rest, dy * kSubsteps));
 }
 
-/// Calls hit(x, y) for each ray through the triangle, in substeps.
+/// Calls hit(range of rays, y in substeps) for each row of rays that meets the triangle.
 template <class Hit>
 void for_each_row(const Projected& p, Hit&& hit) {
     const auto [a, b, c] = p.corners;
@@ -126,11 +126,6 @@ class RayGrid {
     }
 
  private:
-    static std::size_t dominant_axis(Vec3d n) {
-        const Vec3d a{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
-        return a.x >= a.y && a.x >= a.z ? 0U : (a.y >= a.z ? 1U : 2U);
-    }
-
     std::int64_t to_grid(Vec3d p, std::size_t axis) const {
         const double steps = (p[axis] - origin_[axis]) / spacing_ * static_cast<double>(kSubsteps);
         return static_cast<std::int64_t>(std::floor(steps + 0.5));

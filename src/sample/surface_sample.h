@@ -26,6 +26,12 @@ struct TriangleFrame {
     Vec3d normal() const { return cross(ab, ac); }
 };
 
+/// The axis along which a triangle with this normal looks largest; ties go to the first.
+inline std::size_t dominant_axis(Vec3d normal) {
+    const Vec3d a{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
+    return a.x >= a.y && a.x >= a.z ? 0U : (a.y >= a.z ? 1U : 2U);
+}
+
 inline Vec3d position(const Mesh& mesh, const SurfaceSample& sample) {
     return TriangleFrame(mesh, sample.triangle).at(sample.u, sample.v);
 }

@@ -59,9 +59,8 @@ class Collapser {
         sweep_while_many();
         std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
         pass_until_stuck();
-        const bool is_bounded = limits_.squared_distance < HUGE_VAL;
         for (Strictness s : {Strictness::kShapeFree, Strictness::kTopologyOnly}) {
-            if (is_bounded || is_done()) break;
+            if (is_bounded() || is_done()) break;
             judge_.strictness = s;
             std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
             pass_until_stuck();
@@ -71,6 +70,7 @@ class Collapser {
 
  private:
     bool is_done() const { return surface_.num_triangles <= limits_.num_triangles; }
+    bool is_bounded() const { return limits_.squared_distance < HUGE_VAL; }
     void report() const {
         const double goal = std::max<double>(1.0, num_before_ - limits_.num_triangles);
         report_progress(context_, "simplify",
@@ -292,8 +292,17 @@ void Collapser::drain_queue() {
             report();
         }
         const Index a = heap_.top().id, b = best_[a].other;
-        const Vec3d target = order_.placement(a, b);
-        const Verdict verdict = judge_.judge(a, b, target);
+        Vec3d target = order_.placement(a, b);
+        Verdict verdict = judge_.judge(a, b, target);
+        // Where the best place is refused, one of the vertices may stay where it is. It costs more
+        // than the queue knew: only for a bound, where the number of triangles is what counts.
+        for (Index v : {a, b}) {
+            if (verdict == Verdict::kLegal || verdict == Verdict::kTopology || !is_bounded() ||
+                surface_.kinds[a] != surface_.kinds[b])
+                break;
+            target = surface_.positions[v];
+            verdict = judge_.judge(a, b, target);
+        }
         count(verdict, counts_);
         if (verdict == Verdict::kLegal) {
             surface_.num_triangles -= judge_.apply(a, b, target);

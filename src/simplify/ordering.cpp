@@ -15,8 +15,8 @@ namespace {
 constexpr double kBoundaryWeight = 4.0;
 // Pull towards the edge's midpoint, as a share of the quadric's mean eigenvalue: below this ratio of
 // curvatures a direction counts as flat.
-constexpr double kPlacementPull = 1e-3;
-// Each step cuts the pull's bias in a stiff direction by its ratio: three leave 1e-9 of it.
+constexpr double kPlacementPull = 1e-4;
+// Each step cuts the pull's bias in a stiff direction by its ratio: three leave 1e-12 of it.
 constexpr int kPlacementSteps = 3;
 // A vertex farther than this many edge lengths from the edge's midpoint is a wild solution.
 constexpr double kMaxPlacement = 1.0;

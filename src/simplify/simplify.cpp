@@ -13,6 +13,7 @@
 #include "simplify/collapse.h"
 #include "simplify/distances.h"
 #include "simplify/fit.h"
+#include "simplify/removal.h"
 #include "simplify/surface.h"
 
 namespace pointbake {
@@ -197,11 +198,18 @@ FitMesh make_light(Surface& surface, Attribution& attribution, const SimplifyOpt
         add(collapse_edges_in_place(surface, attribution, limits, context), report);
         report.bound_met = false;
     }
+    if (options.triangles > 0 && surface.num_triangles > options.triangles) {
+        const std::size_t num_dropped =
+            drop_smallest_parts(surface, attribution, options.triangles);
+        log(context, LogLevel::kWarning,
+            "{} triangles cannot hold all parts of the surface: the {} smallest were left out",
+            options.triangles, num_dropped);
+    }
     if (options.triangles > 0 && surface.num_triangles > options.triangles)
         fail(ErrorCode::kLimit,
-             "{} triangles cannot hold this surface: {} are left and none can go without closing "
-             "a hole, a handle or a part",
+             "{} triangles cannot hold this surface: its shape (holes, handles) needs {}",
              options.triangles, surface.num_triangles);
+    drop_flat_triangles(surface, attribution);
     FitMesh light = compact(surface, attribution);
     fit_in_place(light, attribution, limits.squared_distance, context);
     return light;

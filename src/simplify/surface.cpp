@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "core/parallel.h"
 
@@ -24,43 +25,29 @@ std::size_t find_edge(const std::vector<EdgeUse>& edges, Index neighbor) {
     return i;
 }
 
-// Number of fans when triangles are joined across regular edges only. `edges` are those of vertex.
+// Number of fans around the vertex of `edges` when triangles are joined across regular edges only.
+// A fan that is open has one triangle more than joins; a closed one has as many.
 std::size_t count_fans(const Surface& surface, Index vertex, const std::vector<EdgeUse>& edges) {
     std::vector<std::size_t> group(edges.size());
-    for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
+    std::iota(group.begin(), group.end(), std::size_t{0});
     const auto root = [&](std::size_t i) {
         while (group[i] != i) i = group[i];
         return i;
     };
-    std::size_t num_triangles = 0, num_joins = 0;
-    // A triangle joins its two edges; through special edges nothing is joined, so each of its uses
-    // is a group of its own. Euler: fans = triangles - joins across regular edges + closed fans.
+    // Regular edges in a row form a group. A triangle between two edges of one group that are
+    // already joined closes the ring.
+    std::size_t num_triangles = 0, num_regular = 0, num_closed = 0;
     surface.for_each_corner(vertex, [&](Index c) {
         ++num_triangles;
         const std::size_t i = find_edge(edges, surface.after(c)),
                           j = find_edge(edges, surface.before(c));
         if (edges[i].is_special() || edges[j].is_special()) return;
         const std::size_t ri = root(i), rj = root(j);
+        num_closed += ri == rj ? 1 : 0;
         group[std::max(ri, rj)] = std::min(ri, rj);
     });
-    for (const EdgeUse& e : edges) num_joins += e.is_special() ? 0 : 1;
-    std::size_t num_closed = 0;
-    if (num_joins > 0) {
-        // A closed fan is a cycle of regular edges: as many triangles as edges in its group.
-        std::vector<std::size_t> excess(edges.size(), 0);
-        for (std::size_t i = 0; i < edges.size(); ++i) {
-            if (!edges[i].is_special()) ++excess[root(i)];
-        }
-        std::vector<std::size_t> faces(edges.size(), 0);
-        surface.for_each_corner(vertex, [&](Index c) {
-            const std::size_t i = find_edge(edges, surface.after(c)),
-                              j = find_edge(edges, surface.before(c));
-            if (!edges[i].is_special() && !edges[j].is_special()) ++faces[root(i)];
-        });
-        for (std::size_t i = 0; i < edges.size(); ++i)
-            num_closed += excess[i] > 0 && faces[i] == excess[i] ? 1 : 0;
-    }
-    return num_triangles - num_joins + num_closed;
+    for (const EdgeUse& e : edges) num_regular += e.is_special() ? 0 : 1;
+    return num_triangles - num_regular + num_closed;
 }
 
 VertexKind kind_of(const Surface& surface, Index vertex, std::vector<EdgeUse>& edges) {
@@ -118,6 +105,12 @@ void Surface::unlink(Index corner, Index vertex) {
     Index* link = &first_corners[vertex];
     while (*link != corner) link = &next_corners[*link];
     *link = next_corners[corner];
+}
+
+void Surface::remove(Index triangle) {
+    for (Index k = 0; k < 3; ++k) unlink(3 * triangle + k, triangles[triangle][k]);
+    triangles[triangle] = {kInvalidIndex, kInvalidIndex, kInvalidIndex};
+    --num_triangles;
 }
 
 void Surface::collapse(Index a, Index b, Vec3d target) {

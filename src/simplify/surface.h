@@ -45,6 +45,7 @@ struct Surface {
 
     /// Vertex b becomes a, which moves to `target`; triangles on both vanish (the caller counts them).
     void collapse(Index a, Index b, Vec3d target);
+    void remove(Index triangle);
 
  private:
     static std::size_t next_of(Index corner) { return corner % 3 == 2 ? 0 : corner % 3 + 1; }

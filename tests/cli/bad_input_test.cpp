@@ -104,7 +104,7 @@ TEST(BadInput, CoplanarPointsConvert) {
 
 TEST(BadOutput, PlacesThatCannotBeWrittenAreExitFourBeforeTheWork) {
     const TemporaryFolder folder;
-    folder.write("in.ply", ascii_ply(sphere_points(20'000)));
+    folder.write("in.ply", ascii_ply(egg_points(20'000)));
     std::filesystem::create_directory(folder / "folder.glb");
     for (const std::vector<std::string>& words :
          std::vector<std::vector<std::string>>{{"in.ply", "none/out.glb"},
@@ -121,7 +121,7 @@ TEST(BadOutput, PlacesThatCannotBeWrittenAreExitFourBeforeTheWork) {
 TEST(BadOutput, AFolderWithoutPermissionIsExitFour) {
     if (geteuid() == 0) GTEST_SKIP() << "the superuser may write everywhere";
     const TemporaryFolder folder;
-    folder.write("in.ply", ascii_ply(sphere_points(200)));
+    folder.write("in.ply", ascii_ply(egg_points(200)));
     std::filesystem::create_directory(folder / "locked");
     std::filesystem::permissions(folder / "locked", std::filesystem::perms::owner_read);
     EXPECT_EQ(run_program(folder, {"in.ply", "locked/out.glb"}).exit_code, 4);
@@ -130,7 +130,7 @@ TEST(BadOutput, AFolderWithoutPermissionIsExitFour) {
 
 TEST(BadOutput, AFullDiskIsExitFourAndTheOldOutputStays) {
     const TemporaryFolder folder;
-    folder.write("in.ply", ascii_ply(sphere_points(2000)));
+    folder.write("in.ply", ascii_ply(egg_points(2000)));
     folder.write("out.glb", "the old one");
     // A limit on the size of files fails in the middle of writing, as a full disk does.
     const ProgramRun run = run_program(folder, {"in.ply", "out.glb"}, 8);

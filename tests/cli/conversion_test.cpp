@@ -16,10 +16,10 @@ using Json = nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// A folder with a small coloured sphere in it.
+/// A folder with a small coloured ellipsoid in it.
 class Conversion : public testing::Test {
  protected:
-    Conversion() { folder_.write("in.ply", ascii_ply(sphere_points(3000))); }
+    Conversion() { folder_.write("in.ply", ascii_ply(egg_points(3000))); }
 
     ProgramRun run(const std::vector<std::string>& words) const {
         return run_program(folder_, words);
@@ -56,7 +56,7 @@ TEST_F(Conversion, TheConvertWordAndNamedFilesDoTheSame) {
 }
 
 TEST_F(Conversion, SeveralInputsAreOneCloud) {
-    const std::vector<Vec3d> points = sphere_points(3000);
+    const std::vector<Vec3d> points = egg_points(3000);
     const std::vector<Vec3d> first(points.begin(), points.begin() + 1000);
     std::vector<Vec3d> second(points.begin() + 1000, points.end());
     folder_.write("first.ply", ascii_ply(first));
@@ -160,7 +160,7 @@ TEST_F(Conversion, SampleMakesPointsOfTheModelAgain) {
     run_well({"sample", "out.glb", "again.ply", "--points", "1000"});
     const Json info = Json::parse(run_well({"info", "again.ply", "--json"}).out);
     EXPECT_NEAR(info["points"].get<double>(), 1000.0, 200.0);
-    EXPECT_NEAR(info["diagonal"].get<double>(), 2.0 * std::sqrt(3.0), 0.1);
+    EXPECT_NEAR(info["diagonal"].get<double>(), 2.0 * std::sqrt(1.0 + 0.64 + 0.36), 0.1);
     EXPECT_THAT(folder_.read("again.ply"), HasSubstr("red"));
 }
 
@@ -186,7 +186,7 @@ TEST_F(Conversion, DryRunPlansAndWritesNothing) {
 }
 
 TEST_F(Conversion, WritePointsAccountsForEveryRow) {
-    std::vector<Vec3d> points = sphere_points(1000);
+    std::vector<Vec3d> points = egg_points(1000);
     points.push_back(points[0]);
     points.push_back({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
     folder_.write("dirty.ply", ascii_ply(points));

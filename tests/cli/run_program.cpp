@@ -120,9 +120,12 @@ std::string ascii_ply(const std::vector<Vec3d>& points) {
     return text;
 }
 
-std::vector<Vec3d> sphere_points(std::uint64_t n) {
+std::vector<Vec3d> egg_points(std::uint64_t n) {
     std::vector<Vec3d> points;
-    for (std::uint64_t i = 0; i < n; ++i) points.push_back(shapes::fibonacci_direction(i, n));
+    for (std::uint64_t i = 0; i < n; ++i) {
+        const Vec3d p = shapes::fibonacci_direction(i, n);
+        points.push_back({p.x, 0.8 * p.y, 0.6 * p.z});
+    }
     return points;
 }
 

@@ -32,7 +32,7 @@ class Interruption : public testing::TestWithParam<const char*> {};
 
 TEST_P(Interruption, EndsTheStageWithinTwoSecondsAndLeavesNothing) {
     const TemporaryFolder folder;
-    folder.write("in.ply", ascii_ply(sphere_points(100'000)));
+    folder.write("in.ply", ascii_ply(egg_points(60'000)));
     RunningProgram program(folder, {"in.ply", "out.glb", "--progress", "json"});
     ASSERT_TRUE(reaches(program, GetParam())) << program.err_so_far();
     const double start = now();
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(EachStage, Interruption,
 
 TEST(Signals, TerminationIsCancellingToo) {
     const TemporaryFolder folder;
-    folder.write("in.ply", ascii_ply(sphere_points(50'000)));
+    folder.write("in.ply", ascii_ply(egg_points(30'000)));
     RunningProgram program(folder, {"in.ply", "out.glb", "--progress", "json"});
     ASSERT_TRUE(reaches(program, "attributes"));
     program.send(SIGTERM);

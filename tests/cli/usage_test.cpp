@@ -31,7 +31,7 @@ TEST(Usage, HelpAndVersionGoToStdoutForEveryCommand) {
 
 TEST(Usage, WrongWordsAreExitTwoWithAHint) {
     const TemporaryFolder folder;
-    folder.write("in.ply", ascii_ply(sphere_points(50)));
+    folder.write("in.ply", ascii_ply(egg_points(50)));
     const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
         {{}, "missing INPUT"},
         {{"in.ply", "--trangles", "5"}, "--triangles"},
@@ -99,17 +99,17 @@ TEST(Usage, BadConfigsSayWhatIsWrong) {
 
 TEST(Usage, DoesNotTakeASecondCloudForTheOutput) {
     const TemporaryFolder folder;
-    folder.write("a.ply", ascii_ply(sphere_points(50)));
-    folder.write("b.ply", ascii_ply(sphere_points(60)));
+    folder.write("a.ply", ascii_ply(egg_points(50)));
+    folder.write("b.ply", ascii_ply(egg_points(60)));
     const ProgramRun run = run_program(folder, {"a.ply", "b.ply"});
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_THAT(run.err, HasSubstr("-o"));
-    EXPECT_EQ(folder.read("b.ply"), ascii_ply(sphere_points(60)));
+    EXPECT_EQ(folder.read("b.ply"), ascii_ply(egg_points(60)));
 }
 
 TEST(Usage, MemoryLimitIsCheckedBeforeTheWork) {
     const TemporaryFolder folder;
-    folder.write("in.ply", ascii_ply(sphere_points(1000)));
+    folder.write("in.ply", ascii_ply(egg_points(1000)));
     const ProgramRun run = run_program(folder, {"in.ply", "--max-memory", "100M"});
     EXPECT_EQ(run.exit_code, 5);
     EXPECT_THAT(run.err, HasSubstr("--max-memory"));

@@ -32,7 +32,7 @@ struct Buffer {
 
     int add_view(const std::string& data) {
         bytes = padded(bytes, '\0');
-        views += (num_views ? "," : "") + std::string(R"({"buffer":0,"byteOffset":)") +
+        views += std::string(num_views ? "," : "") + R"({"buffer":0,"byteOffset":)" +
                  std::to_string(bytes.size()) + R"(,"byteLength":)" + std::to_string(data.size()) +
                  "}";
         bytes += data;
@@ -41,7 +41,7 @@ struct Buffer {
     int add(const std::string& data, int component, int count, const std::string& type,
             bool normalized = false) {
         const int view = add_view(data);
-        accessors += (num_accessors ? "," : "") + std::string(R"({"bufferView":)") +
+        accessors += std::string(num_accessors ? "," : "") + R"({"bufferView":)" +
                      std::to_string(view) + R"(,"componentType":)" + std::to_string(component) +
                      R"(,"count":)" + std::to_string(count) + R"(,"type":")" + type + "\"" +
                      (normalized ? R"(,"normalized":true})" : "}");
