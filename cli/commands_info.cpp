@@ -1,7 +1,6 @@
 // pointbake info FILE: what is in a file, and what a conversion would do with it.
 #include "command_setup.h"
 #include "commands.h"
-#include "load_input.h"
 #include "summary.h"
 
 namespace pointbake::cli {
@@ -28,7 +27,7 @@ void run_info(Words words, const std::stop_token& stop) {
              line.output.string());
     Console console(line.verbosity, job.run.progress);
     const Context context = console.context(job.run.threads, stop);
-    LoadResult loaded = load_points(line.inputs[0], context);
+    LoadResult loaded = load_cloud(line.inputs[0], {}, context);
     const CloudSummary cloud = summarize(loaded.cloud, context);
     const std::uint64_t num_faces = loaded.mesh ? loaded.mesh->triangles.size() : 0;
     console.clear();
@@ -40,10 +39,8 @@ void run_info(Words words, const std::stop_token& stop) {
     text += "\npointbake would\n";
     job.inputs = line.inputs;
     job.output = std::filesystem::path(line.inputs[0]).replace_extension(".glb");
-    const ConvertInput input{.cloud = std::move(loaded.cloud),
-                             .file_mesh = std::move(loaded.mesh),
-                             .mesh = {},
-                             .keep_uvs = false};
+    const ConvertInput input{
+        .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};
     for (const std::string& entry : plan_lines(job, input)) text += entry + "\n";
     print_data(text);
 }

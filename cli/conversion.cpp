@@ -6,8 +6,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "files.h"
-#include "load_input.h"
-#include "merge_inputs.h"
 #include "summary.h"
 #include "work_dir.h"
 
@@ -37,9 +35,6 @@ std::vector<std::string> names(const std::vector<fs::path>& paths) {
 }
 
 void check_options(const Job& job) {
-    const bool has_mesh = !job.mesh.mesh.empty();
-    if (job.layout.keep_uvs && !has_mesh)
-        fail(ErrorCode::kInvalidOption, "--keep-uvs needs --mesh FILE, whose layout it keeps");
     if (!(job.write.scale > 0.0))
         fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", job.write.scale);
     if (job.output.empty() && job.files.work_dir.empty())
@@ -114,14 +109,12 @@ class Run {
     ConvertInput load() {
         const Stopwatch watch;
         std::vector<LoadResult> parts;
-        for (const fs::path& input : job_.inputs) parts.push_back(load_points(input, context_));
-        LoadResult loaded = merge_inputs(std::move(parts), context_);
+        for (const fs::path& input : job_.inputs) parts.push_back(load_cloud(input, {}, context_));
+        LoadResult loaded = merge_clouds(std::move(parts), context_);
         report_.load = loaded.report;
         check_memory(job_, loaded.cloud.size());
-        ConvertInput input{.cloud = std::move(loaded.cloud),
-                           .file_mesh = std::move(loaded.mesh),
-                           .mesh = {},
-                           .keep_uvs = job_.layout.keep_uvs};
+        ConvertInput input{
+            .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};
         if (!job_.mesh.mesh.empty()) input.mesh = load_mesh(job_.mesh.mesh, context_);
         load_time_ = {Stage::kLoad, watch.seconds(), peak_memory_bytes()};
         return input;

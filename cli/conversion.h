@@ -19,7 +19,6 @@ struct Job {
     ConvertOptions convert;
     WriteOptions write;
     MeshOptions mesh;
-    LayoutOptions layout;
     StopOptions stop;
     FileOptions files;
     LimitOptions limits;

@@ -70,11 +70,6 @@ void check_extension(const fs::path& output, std::span<const std::string_view> e
          fmt::join(extensions, ", "));
 }
 
-bool is_mesh_only_extension(const fs::path& path) {
-    static constexpr std::array<std::string_view, 3> extensions = {".glb", ".gltf", ".obj"};
-    return std::ranges::find(extensions, lower_extension(path)) != extensions.end();
-}
-
 void write_text(const fs::path& path, std::string_view text) {
     AtomicFile file(path);
     file.write(text);

@@ -17,8 +17,6 @@ void check_writable(const std::filesystem::path& output,
 /// Throws Error{kInvalidOption} unless the name ends in one of the extensions (".glb", ...).
 void check_extension(const std::filesystem::path& output,
                      std::span<const std::string_view> extensions);
-/// Names of files that hold meshes and never bare points: OBJ, GLB, glTF.
-bool is_mesh_only_extension(const std::filesystem::path& path);
 
 /// Writes a text whole or not at all.
 void write_text(const std::filesystem::path& path, std::string_view text);

@@ -32,15 +32,6 @@ struct MeshOptions {
     }
 };
 
-struct LayoutOptions {
-    bool keep_uvs = false;
-    template <class Field>
-    static void describe(Field&& field) {
-        field("keep-uvs", &LayoutOptions::keep_uvs,
-              "bake into the texture coordinates that the mesh brings");
-    }
-};
-
 /// Cloud whose points a mesh is simplified against.
 struct PointsOptions {
     std::filesystem::path points;

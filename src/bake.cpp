@@ -75,7 +75,12 @@ Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& option
 }  // namespace
 
 BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
-                        const ConvertOptions& options, const Context& context) {
+                        const ConvertOptions& given, const Context& context) {
+    ConvertOptions options = given;
+    if (options.texture.paper) {
+        options.texture.projection = Projection::kOrthographic;
+        options.atlas.packer = Packer::kAppendixA;
+    }
     TextureOptions texture = options.texture;
     texture.max_patch = std::min(texture.max_patch, options.atlas.page_size);
     const double bound =

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "bake.h"
+#include "core/adjacency.h"
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/parallel.h"
@@ -74,6 +75,35 @@ void settle_colors(ConvertResult& result, const Context& context) {
     }
 }
 
+// With --surface auto a cloud with faces is still reconstructed: a mesh that is there may be
+// anything.
+void tell_about_faces(const ConvertInput& input, const ConvertOptions& options,
+                      const Context& context) {
+    if (!input.file_mesh || input.mesh || options.reconstruct.surface == Surface::kGiven) return;
+    log(context, LogLevel::kInfo,
+        "the file's {} faces are not used: its points are reconstructed (--surface given takes the "
+        "faces)",
+        input.file_mesh->triangles.size());
+}
+
+// Readings of [Wicke05] that its text leaves open.
+void tell_paper_readings(const Context& context) {
+    log(context, LogLevel::kInfo,
+        "--paper: one triangle per patch, orthographic projection, kernel exp(-|u/r|^2) cut at its "
+        "radius (the spacing), "
+        "screen filter of variance 0.5; no sharpening");
+    log(context, LogLevel::kInfo,
+        "--paper: eq. (1) literally, over the points whose centre lies in the triangle, against "
+        "--texture-error times "
+        "its area; spacing after eq. (2) from the closest two points; Appendix A packing with rows "
+        "kept open");
+}
+
+// A surface with a border is seen from both sides.
+bool has_border(const Mesh& mesh) {
+    return topology(mesh.positions.size(), mesh.triangles).num_boundary_edges > 0;
+}
+
 // The mesh that comes from a file instead of from reconstruction.
 ReconstructResult given_mesh(ConvertInput& input) {
     ReconstructResult out;
@@ -104,6 +134,8 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
     ConvertResult result;
     StageRunner stages(result, options, observer, context);
 
+    tell_about_faces(input, options, context);
+    if (options.texture.paper) tell_paper_readings(context);
     if (!stages.run(Stage::kAttributes, [&] {
             AttributesResult attributes =
                 estimate_attributes(std::move(input.cloud), options.attributes, context);
@@ -137,6 +169,8 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
         BakeResult baked = bake_texture(result.light.mesh, result.cloud,
                                         result.light.point_triangles, options, context);
         result.model = std::move(baked.model);
+        const bool open = has_border(result.model.mesh);
+        for (Material& material : result.model.materials) material.is_double_sided = open;
         result.report.texture = baked.texture;
         result.report.atlas = std::move(baked.atlas);
     });

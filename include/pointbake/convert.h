@@ -59,7 +59,6 @@ struct ConvertInput {
     std::optional<Mesh> file_mesh;  ///< faces of the same file: used with --surface given (and told
                                     ///< about otherwise)
     std::optional<TexturedMesh> mesh;  ///< --mesh: reconstruct is skipped
-    bool keep_uvs = false;             ///< bake into the layout that `mesh` brings
 };
 
 /// Every stage's value; what was not reached stays empty.

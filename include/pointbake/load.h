@@ -39,12 +39,17 @@ struct LoadResult {
     LoadReport report;
 };
 
-/// Reads a point cloud. The kind is told by content, then by extension. Rows with non-finite
-/// coordinates are dropped, rows with equal coordinates merged (colour: mean in linear light); both
-/// are counted. Points come in Morton order, ties by row. O(n log n). Throws Error{kIo,
-/// kInvalidInput, kUnsupported, kEmpty}.
+/// Reads a point cloud: PLY; of OBJ, GLB and glTF the vertices. The kind is told by content, then
+/// by extension. Rows with non-finite coordinates are dropped, rows with equal coordinates merged
+/// (colour: mean in linear light); both are counted. Points come in Morton order, ties by row. O(n
+/// log n). Throws Error{kIo, kInvalidInput, kUnsupported, kEmpty}.
 LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& options = {},
                       const Context& context = {});
+
+/// The points of all files, as if they stood in one after the other: rows count on from file to
+/// file. Attributes that not all files have are left out, with a note; so are faces. One file is
+/// handed back as it is.
+LoadResult merge_clouds(std::vector<LoadResult> parts, const Context& context = {});
 
 /// Reads a mesh with its textures: OBJ (+ MTL, PNG, JPEG), GLB, glTF, PLY (vertex colours, texture
 /// coordinates). Polygons are split into fans. Throws as above.

@@ -51,11 +51,12 @@ struct ReconstructResult {
     ReconstructReport report;
 };
 
-/// Open: Cocone with boundary detection [Amenta02, Dey03]; edges may carry more than two triangles
-/// where the data do. Watertight: Tight Cocone [Dey03], split into a closed, oriented 2-manifold by
-/// index, with positive volume. Coplanar clouds give a flat open mesh. Deterministic for any number
-/// of threads and any order of the points. Near linear time, about 0.9 kB per point. Throws
-/// Error{kDegenerate} for fewer than 3 distinct or for collinear points.
+/// Open: Cocone with boundary detection [Amenta02, Dey01], walked into oriented 2-manifold pieces
+/// with borders. Watertight: Tight Cocone [Dey03], split by index into a closed, oriented
+/// 2-manifold with positive volume. Coplanar clouds give a flat open mesh. Deterministic for any
+/// number of threads and any order of the points. Near linear time, about 1.2 kB per point. Throws
+/// Error{kDegenerate} for fewer than 3 distinct or for collinear points, and where the points span
+/// no surface of the kind that is asked for.
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
                               const Context& context = {});
 

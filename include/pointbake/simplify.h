@@ -10,8 +10,8 @@
 namespace pointbake {
 
 struct SimplifyOptions {
-    std::optional<Length>
-        geometry_error = std::nullopt;  ///< unset: 0.1 %, or no bound if a number of triangles is given
+    std::optional<Length> geometry_error =
+        std::nullopt;  ///< unset: 0.1 %, or no bound if a number of triangles is given
     Index triangles = 0;
     bool keep_mesh = false;
     template <class Field>

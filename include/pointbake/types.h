@@ -110,7 +110,8 @@ struct Material {
     std::string name = "material";
     std::array<double, 3> base_color{1.0, 1.0, 1.0};  ///< linear light
     int color_image = -1;                             ///< index into images, -1 = none
-    int normal_image = -1;  ///< tangent-space map, index into images, -1 = none
+    bool is_double_sided = false;  ///< seen from behind, too: for surfaces with a border
+    int normal_image = -1;         ///< tangent-space map, index into images, -1 = none
 };
 
 /// A mesh with its textures: what sample reads and what convert writes.

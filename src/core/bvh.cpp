@@ -12,7 +12,7 @@ namespace pointbake {
 namespace {
 
 constexpr Index kLeafSize = 4;
-constexpr int kNumBins = 16;
+constexpr int kNumBins = 8;
 // Deeper than this only halving by rank is allowed, so that depth stays below kStackSize for any
 // input: at most 32 more levels follow.
 constexpr int kMaxBinnedDepth = 48;

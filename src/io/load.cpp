@@ -8,6 +8,7 @@
 #include "core/mapped_file.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/mesh_vertices.h"
 #include "io/ply_header.h"
 #include "io/read_gltf.h"
 #include "io/read_obj.h"
@@ -18,12 +19,11 @@ namespace {
 
 /// What a file is that is not read, if its first bytes tell.
 std::string_view kind_of(std::string_view text) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kKinds{{
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kKinds{{
         {"LASF", "a LAS or LAZ file"},
         {"ASTM-E57", "an E57 file"},
         {"# .PCD", "a PCD file"},
         {"VERSION .7", "a PCD file"},
-        {"glTF", "a GLB mesh; a mesh can be given with --mesh, or sampled first"},
         {"\x1f\x8b", "compressed with gzip"},
         {"PK\x03\x04", "a zip archive"},
         {"\xef\xbb\xbf", "text that begins with a UTF-8 byte order mark; save it without"},
@@ -55,8 +55,12 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions&,
         fail(ErrorCode::kInvalidInput, "{}: the file is empty; a PLY file is wanted",
              path.string());
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
-    fail(ErrorCode::kUnsupported, "{}: is {}; point clouds are read from PLY files", path.string(),
-         kind_of(first_bytes(bytes)));
+    if (is_gltf(first_bytes(bytes)))
+        return vertices_as_points(read_gltf(bytes, path, context), path, context);
+    if (is_obj(bytes)) return vertices_as_points(read_obj(bytes, path, context), path, context);
+    fail(ErrorCode::kUnsupported,
+         "{}: is {}; points are read from PLY, and as vertices from OBJ, GLB and glTF",
+         path.string(), kind_of(first_bytes(bytes)));
 }
 
 TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context) {

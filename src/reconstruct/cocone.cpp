@@ -1,7 +1,8 @@
-// Based on [Amenta02] (co-cone test) and [Dey03b] (flatness, boundary detection). Departures: the
+// Based on [Amenta02] (co-cone test) and [Dey01] (flatness, boundary detection). Departures: the
 // far points stand for infinity; the radius of a co-cone is taken where Voronoi edges cross the
 // tangent plane; the expansion of the flat set goes in rounds over a frozen copy, so that no order
-// matters. Circumcentres stay homogeneous: those of nearly flat cells are huge, and no test divides.
+// matters. Circumcentres stay homogeneous: those of nearly flat cells are huge, and no test
+// divides.
 #include "reconstruct/cocone.h"
 
 #include <algorithm>
@@ -19,6 +20,8 @@ constexpr double kFlatCell = 1e-17;
 // Spacing: distance to this Delaunay neighbour; high enough that points on scan lines count points
 // of the next line too, or nearly.
 constexpr std::size_t kSpacingRank = 6;
+// It grows from point to point by at most this share of their distance.
+constexpr double kSpacingSlope = 0.1;
 constexpr std::size_t kGrain = 1U << 11;
 
 // Circumcentre of a cell = its first vertex + num / den, den > 0.
@@ -49,6 +52,7 @@ struct Builder {
     std::vector<Circumcenter> centers;
     Cocone out;
     std::vector<std::uint8_t> ratio_holds;
+    std::vector<std::int8_t> sides;  // per cell and vertex: where the Voronoi vertex lies for it
 
     Seen seen_from(Index cell, Vec3d p) const {
         const Circumcenter& c = centers[cell];
@@ -56,14 +60,17 @@ struct Builder {
     }
 
     // -1, 0, +1: below, inside or above the co-cone of a sample with this normal.
-    static int side(const Seen& y, Vec3d normal) {
+    static std::int8_t side(const Seen& y, Vec3d normal) {
         const double a = dot(y.dir, normal);
         if (a * a <= kSinTheta * kSinTheta * squared_length(y.dir)) return 0;
         return a > 0 ? 1 : -1;
     }
-    // Outside the co-cone lie two convex nappes: an edge with both ends in one stays there, one with
-    // ends in different ones crosses.
-    static bool meets(int side_a, int side_b) { return side_a == 0 || side_a != side_b; }
+    std::int8_t side_of(Index cell, Index v) const { return sides[cell * 4 + tets.slot(cell, v)]; }
+    // Outside the co-cone lie two convex nappes: an edge with both ends in one stays there, one
+    // with ends in different ones crosses.
+    static bool meets(std::int8_t side_a, std::int8_t side_b) {
+        return side_a == 0 || side_a != side_b;
+    }
 
     void compute_centers() {
         centers.resize(tets.cells.size());
@@ -93,24 +100,16 @@ struct Builder {
         return height2;
     }
 
-    // Calls body(cell, other cell, facet's slot in cell, side, side) for each facet at v whose dual
-    // edge meets the co-cone of v.
+    // Calls body(cell, other cell, facet's slot in cell) for each facet at v whose dual edge meets
+    // the co-cone of v.
     template <class Body>
-    void for_each_accepted(Index v, std::vector<int>& sides, Body&& body) const {
-        const Vec3d p = tets.points[v], normal = out.normals[v];
-        const auto star = tets.star(v);
-        sides.clear();
-        for (Index c : star) sides.push_back(side(seen_from(c, p), normal));
-        for (std::size_t k = 0; k < star.size(); ++k) {
-            const Index c = star[k];
-            const auto& cell = tets.cells[c];
+    void for_each_accepted(Index v, Body&& body) const {
+        for (Index c : tets.star(v)) {
+            const std::int8_t own = side_of(c, v);
             for (std::size_t i = 0; i < 4; ++i) {
                 const Index n = tets.neighbors[c][i];
-                if (cell[i] == v || n < c || n == kInvalidIndex) continue;
-                const auto it = std::lower_bound(star.begin() + static_cast<std::ptrdiff_t>(k) + 1,
-                                                 star.end(), n);
-                const int other = sides[static_cast<std::size_t>(it - star.begin())];
-                if (meets(sides[k], other)) body(c, n, i);
+                if (tets.cells[c][i] == v || n < c || n == kInvalidIndex) continue;
+                if (meets(own, side_of(n, v))) body(c, n, i);
             }
         }
     }
@@ -126,41 +125,67 @@ struct Builder {
         return squared_length(y2.dir * a1 - y1.dir * a2) / (den * den);
     }
 
-    void measure_cocone(Index v, double height2, std::vector<int>& sides) {
+    void measure_cocone(Index v, double height2) {
         double radius2 = 0.0;
-        for_each_accepted(v, sides, [&](Index c, Index n, std::size_t) {
+        for_each_accepted(v, [&](Index c, Index n, std::size_t) {
             radius2 = std::max(radius2, crossing_distance2(v, c, n));
         });
         ratio_holds[v] = radius2 <= kRho * kRho * height2 ? 1 : 0;
     }
 
-    void measure_spacing(Index v, std::vector<Index>& near, std::vector<double>& lengths2) {
-        near.clear(), lengths2.clear();
-        for (Index c : tets.star(v)) near.insert(near.end(), tets.cells[c].begin(), tets.cells[c].end());
-        std::sort(near.begin(), near.end());
-        near.erase(std::unique(near.begin(), near.end()), near.end());
-        for (Index q : near)
-            if (q != v && !tets.is_far(q))
-                lengths2.push_back(squared_length(tets.points[q] - tets.points[v]));
-        if (lengths2.empty()) return;
-        const auto rank = static_cast<std::ptrdiff_t>(std::min(kSpacingRank, lengths2.size())) - 1;
-        std::nth_element(lengths2.begin(), lengths2.begin() + rank, lengths2.end());
-        out.spacing[v] = static_cast<float>(std::sqrt(lengths2[static_cast<std::size_t>(rank)]));
+    // Keeps the nearest Delaunay neighbours seen so far in order; each is met in several cells.
+    void measure_spacing(Index v) {
+        std::array<std::pair<double, Index>, kSpacingRank> nearest;
+        std::size_t count = 0;
+        for (Index c : tets.star(v)) {
+            for (Index q : tets.cells[c]) {
+                if (q == v || tets.is_far(q)) continue;
+                const std::pair entry(squared_length(tets.points[q] - tets.points[v]), q);
+                const auto end = nearest.begin() + static_cast<std::ptrdiff_t>(count);
+                const auto place = std::lower_bound(nearest.begin(), end, entry);
+                if (place == nearest.end() || (place != end && *place == entry)) continue;
+                if (count < kSpacingRank) ++count;
+                std::copy_backward(place, nearest.begin() + static_cast<std::ptrdiff_t>(count) - 1,
+                                   nearest.begin() + static_cast<std::ptrdiff_t>(count));
+                *place = entry;
+            }
+        }
+        out.spacing[v] =
+            count == 0 ? 0.0F : static_cast<float>(std::sqrt(nearest[count - 1].first));
     }
 
     void measure_vertices() {
         out.normals.resize(tets.num_real());
         out.spacing.resize(tets.num_real());
         ratio_holds.resize(tets.num_real());
+        sides.resize(tets.cells.size() * 4);
         parallel_for(context, tets.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
             std::vector<Seen> seen;
-            std::vector<int> sides;
-            std::vector<Index> near;
-            std::vector<double> lengths2;
             for (Index v = static_cast<Index>(begin); v < end; ++v) {
                 const double height2 = find_pole(v, seen);
-                measure_cocone(v, height2, sides);
-                measure_spacing(v, near, lengths2);
+                const auto star = tets.star(v);
+                for (std::size_t k = 0; k < star.size(); ++k)
+                    sides[star[k] * 4 + tets.slot(star[k], v)] = side(seen[k], out.normals[v]);
+                measure_cocone(v, height2);
+                measure_spacing(v);
+            }
+        });
+    }
+
+    // A lone point has far neighbours; next to dense ones it counts as dense as well. Over a frozen
+    // copy.
+    void level_spacing() {
+        const std::vector<float> measured = out.spacing;
+        parallel_for(context, tets.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (Index v = static_cast<Index>(begin); v < end; ++v) {
+                for (Index c : tets.star(v)) {
+                    for (Index q : tets.cells[c]) {
+                        if (tets.is_far(q) || measured[q] >= out.spacing[v]) continue;
+                        const double reach =
+                            measured[q] + kSpacingSlope * length(tets.points[q] - tets.points[v]);
+                        out.spacing[v] = std::min(out.spacing[v], static_cast<float>(reach));
+                    }
+                }
             }
         });
     }
@@ -169,15 +194,14 @@ struct Builder {
         return std::abs(dot(out.normals[v], out.normals[q])) >= kCosAlpha;
     }
 
-    // [Dey03b]: first the points whose whole neighbourhood agrees, then those next to one of them.
+    // [Dey01]: first the points whose whole neighbourhood agrees, then those next to one of them.
     void find_flat() {
         out.flat.assign(tets.num_real(), 0);
         parallel_for(context, tets.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
-            std::vector<int> sides;
             for (Index v = static_cast<Index>(begin); v < end; ++v) {
                 if (ratio_holds[v] == 0) continue;
                 bool all = true;
-                for_each_accepted(v, sides, [&](Index c, Index, std::size_t i) {
+                for_each_accepted(v, [&](Index c, Index, std::size_t i) {
                     for (std::size_t k = 0; k < 4; ++k) {
                         const Index q = tets.cells[c][k];
                         if (k != i && q != v && !tets.is_far(q) && !agrees(v, q)) all = false;
@@ -197,23 +221,24 @@ struct Builder {
         for (bool changed = true; changed;) {
             joins.assign(pending.size(), 0);
             parallel_for(context, pending.size(), 256, [&](std::size_t begin, std::size_t end) {
-                std::vector<int> sides;
-                for (std::size_t k = begin; k < end; ++k) joins[k] = has_flat_ally(pending[k], sides);
+                for (std::size_t k = begin; k < end; ++k) joins[k] = has_flat_ally(pending[k]);
             });
             changed = false;
             std::vector<Index> rest;
             for (std::size_t k = 0; k < pending.size(); ++k) {
-                if (joins[k] == 0) rest.push_back(pending[k]);
-                else out.flat[pending[k]] = 1, changed = true;
+                if (joins[k] == 0)
+                    rest.push_back(pending[k]);
+                else
+                    out.flat[pending[k]] = 1, changed = true;
             }
             pending = std::move(rest);
         }
         out.num_flat = static_cast<Index>(std::count(out.flat.begin(), out.flat.end(), 1));
     }
 
-    std::uint8_t has_flat_ally(Index v, std::vector<int>& sides) const {
+    std::uint8_t has_flat_ally(Index v) const {
         bool found = false;
-        for_each_accepted(v, sides, [&](Index c, Index, std::size_t i) {
+        for_each_accepted(v, [&](Index c, Index, std::size_t i) {
             for (std::size_t k = 0; k < 4; ++k) {
                 const Index q = tets.cells[c][k];
                 if (k != i && q != v && !tets.is_far(q) && out.flat[q] != 0 && agrees(v, q))
@@ -228,9 +253,7 @@ struct Builder {
         for (std::size_t k : kFacetCorners[i]) {
             const Index v = tets.cells[c][k];
             if (tets.is_far(v)) return 0;
-            const Vec3d p = tets.points[v];
-            const bool accepts = meets(side(seen_from(c, p), out.normals[v]),
-                                       side(seen_from(n, p), out.normals[v]));
+            const bool accepts = meets(side_of(c, v), side_of(n, v));
             any_flat |= out.flat[v] != 0;
             all_accept &= accepts;
             flat_accept &= accepts || out.flat[v] == 0;
@@ -260,9 +283,10 @@ struct Builder {
 }  // namespace
 
 Cocone find_cocone(const Tetrahedra& tets, const Context& context) {
-    Builder builder{tets, context, {}, {}, {}};
+    Builder builder{tets, context, {}, {}, {}, {}};
     builder.compute_centers();
     builder.measure_vertices();
+    builder.level_spacing();
     builder.find_flat();
     builder.judge_facets();
     return std::move(builder.out);

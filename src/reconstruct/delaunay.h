@@ -24,8 +24,8 @@ struct Delaunay {
 /// finite and distinct; neighbours in `points` should be near each other in space (Morton order),
 /// which decides speed alone. Exact predicates and a symbolic perturbation that depends on
 /// coordinates only: the cells are unique, also for cospherical points, and come in ascending order
-/// of their vertices, for any number of threads. Fewer than 4 points or coplanar ones give no cells.
-/// Near linear time, about 0.7 kB per point while it runs. Throws Error{kCancelled}, and
+/// of their vertices, for any number of threads. Fewer than 4 points or coplanar ones give no
+/// cells. Near linear time, about 0.7 kB per point while it runs. Throws Error{kCancelled}, and
 /// Error{kUnsupported} where the program is built without a triangulation.
 Delaunay delaunay(std::span<const Vec3d> points, const Context& context = {},
                   std::span<const Index> subset = {});

@@ -50,7 +50,9 @@ int num_cores() { return static_cast<int>(std::thread::hardware_concurrency()); 
 struct IdSource {
     std::span<const Index> subset;
     std::size_t count;
-    Index operator[](std::size_t i) const { return subset.empty() ? static_cast<Index>(i) : subset[i]; }
+    Index operator[](std::size_t i) const {
+        return subset.empty() ? static_cast<Index>(i) : subset[i];
+    }
 };
 
 class Inserter {
@@ -149,7 +151,8 @@ std::vector<Cell> sorted_cells(const Triangulation& triangulation, std::size_t n
         std::vector<std::pair<std::array<Index, 4>, Cell>> bucket;
         for (std::size_t v = first; v < last; ++v) {
             bucket.clear();
-            for (Index i = begin[v]; i < begin[v + 1]; ++i) bucket.emplace_back(key(cells[i]), cells[i]);
+            for (Index i = begin[v]; i < begin[v + 1]; ++i)
+                bucket.emplace_back(key(cells[i]), cells[i]);
             std::sort(bucket.begin(), bucket.end(),
                       [](const auto& a, const auto& b) { return a.first < b.first; });
             for (Index i = begin[v]; i < begin[v + 1]; ++i) {
@@ -189,7 +192,8 @@ Delaunay delaunay(std::span<const Vec3d> points, const Context& context,
     const IdSource ids{subset, subset.empty() ? points.size() : subset.size()};
     if (ids.count < 4) return {};
     std::unique_ptr<Triangulation::Lock_data_structure> locks;
-    if (std::min(num_threads(context), num_cores()) >= kParallelCores && ids.count >= kParallelPoints) {
+    if (std::min(num_threads(context), num_cores()) >= kParallelCores &&
+        ids.count >= kParallelPoints) {
         Box box;
         for (std::size_t i = 0; i < ids.count; ++i) box.extend(points[ids[i]]);
         locks = std::make_unique<Triangulation::Lock_data_structure>(

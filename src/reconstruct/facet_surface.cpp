@@ -131,7 +131,8 @@ bool relabel_edge(const Tetrahedra& tets, Edge edge, bool only_fill,
     const Wedge* best = nullptr;
     for (const Wedge& w : wedges) {
         if ((only_fill && w.inside) || (!w.inside && w.has_far)) continue;
-        if (best == nullptr || w.count < best->count || (w.count == best->count && best->inside && !w.inside))
+        if (best == nullptr || w.count < best->count ||
+            (w.count == best->count && best->inside && !w.inside))
             best = &w;
     }
     if (best == nullptr) return false;
@@ -177,8 +178,7 @@ Fans number_fans(const Tetrahedra& tets, const FacetSurface& surface,
         std::vector<Index> stack;
         for (Index v = static_cast<Index>(begin); v < end; ++v) {
             const auto triangles = around.of(v);
-            for (Index t : triangles)
-                fans.triangles[t][corner_of(points_of[t], v)] = kInvalidIndex;
+            for (Index t : triangles) fans.triangles[t][corner_of(points_of[t], v)] = kInvalidIndex;
             for (Index seed : triangles) {
                 if (fans.triangles[seed][corner_of(points_of[seed], v)] != kInvalidIndex) continue;
                 const Index fan = num_fans[v + 1]++;
@@ -215,7 +215,8 @@ std::vector<Edge> find_crowded(const Tetrahedra& tets, const std::vector<Triangl
     return crowded_edges(fans.vertex_points.size(), fans.triangles, around_fans, context);
 }
 
-// Triangle corners (3 * triangle + corner) at which an edge of the index mesh starts, per direction.
+// Triangle corners (3 * triangle + corner) at which an edge of the index mesh starts, per
+// direction.
 struct EdgeUse {
     std::vector<Index> forward, backward;
 };
@@ -324,8 +325,10 @@ IndexedSurface split_fans(const Tetrahedra& tets, FacetSurface surface, const Co
                  "the watertight surface touches itself along {} edges and cannot be taken apart; "
                  "try --surface open",
                  crowded.size());
-        if (closed) pair_anew(crowded, fans, surface);
-        else drop_extra(crowded, fans, surface);
+        if (closed)
+            pair_anew(crowded, fans, surface);
+        else
+            drop_extra(crowded, fans, surface);
     }
 }
 

@@ -8,8 +8,9 @@
 
 namespace pointbake {
 
-/// Half facets seen from the inner side, with the neighbour across each edge (corner k to k + 1), as
-/// 3 * facet + edge, kInvalidIndex = border. Across a shared edge the two run in opposite directions.
+/// Half facets seen from the inner side, with the neighbour across each edge (corner k to k + 1),
+/// as 3 * facet + edge, kInvalidIndex = border. Across a shared edge the two run in opposite
+/// directions.
 struct FacetSurface {
     std::vector<HalfFacet> facets;
     std::vector<std::array<Index, 3>> mates;
@@ -21,9 +22,9 @@ struct IndexedSurface {
     Index num_split_vertices = 0;  ///< copies made of points with more than one fan
 };
 
-/// The boundary of the inside cells: closed and oriented outwards. `inside` is changed where an edge
-/// would carry more than two facets, if a small change of labels cures it; where none does, facets
-/// that bound the same inner wedge are mates.
+/// The boundary of the inside cells: closed and oriented outwards. `inside` is changed where an
+/// edge would carry more than two facets, if a small change of labels cures it; where none does,
+/// facets that bound the same inner wedge are mates.
 FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& inside,
                          const Context& context);
 

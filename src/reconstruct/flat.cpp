@@ -19,9 +19,12 @@ FlatFrame find_plane(std::span<const Vec3d> points) {
     for (const Vec3d& p : points) box.extend(p);
     const double extent = points.empty() ? 0.0 : box.diagonal();
     if (!(extent > 0))
-        fail(ErrorCode::kDegenerate, "{} points, all in one place: a surface needs at least 3 "
-             "different ones that are not on a line", points.size());
-    // The point farthest from the first spans the line with it, the one farthest from that the plane.
+        fail(ErrorCode::kDegenerate,
+             "{} points, all in one place: a surface needs at least 3 "
+             "different ones that are not on a line",
+             points.size());
+    // The point farthest from the first spans the line with it, the one farthest from that the
+    // plane.
     FlatFrame frame;
     frame.origin = points[0];
     Vec3d along;
@@ -34,8 +37,10 @@ FlatFrame find_plane(std::span<const Vec3d> points) {
         if (squared_length(rest) > squared_length(across)) across = rest;
     }
     if (length(across) <= kCollinear * extent)
-        fail(ErrorCode::kDegenerate, "all {} points lie on a line: a surface needs at least 3 points "
-             "that do not", points.size());
+        fail(ErrorCode::kDegenerate,
+             "all {} points lie on a line: a surface needs at least 3 points "
+             "that do not",
+             points.size());
     frame.v = normalized(across);
     const Vec3d normal = cross(frame.u, frame.v);
     double thickness = 0.0;

@@ -55,8 +55,8 @@ void MinCut::solve(const Context& context) {
     }
 }
 
-// Takes free neighbours into the node's tree. Returns an arc from the source's tree to the sink's if
-// they meet.
+// Takes free neighbours into the node's tree. Returns an arc from the source's tree to the sink's
+// if they meet.
 Index MinCut::grow(Index i) {
     const Tree tree = nodes_[i].tree;
     for (Index a = nodes_[i].first; a != kNoArc; a = arcs_[a].next) {

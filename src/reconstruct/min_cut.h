@@ -29,9 +29,10 @@ class MinCut {
     static constexpr Index kNoArc = kInvalidIndex, kTerminal = kInvalidIndex - 1,
                            kOrphan = kInvalidIndex - 2;
     struct Node {
-        std::int64_t terminal = 0;  ///< residual capacity from the source, or, negative, to the sink
-        Index first = kNoArc;       ///< first arc
-        Index parent = kNoArc;      ///< arc to the parent in the tree
+        std::int64_t terminal =
+            0;                  ///< residual capacity from the source, or, negative, to the sink
+        Index first = kNoArc;   ///< first arc
+        Index parent = kNoArc;  ///< arc to the parent in the tree
         Index stamp = 0, distance = 0;
         Tree tree = kFree;
         bool is_active = false;
@@ -41,8 +42,11 @@ class MinCut {
         std::int64_t residual;
     };
 
-    /// Residual capacity along an arc from a node of this tree to its neighbour, in flow's direction.
-    std::int64_t& outward(Index arc, Tree tree) { return arcs_[tree == kSource ? arc : arc ^ 1].residual; }
+    /// Residual capacity along an arc from a node of this tree to its neighbour, in flow's
+    /// direction.
+    std::int64_t& outward(Index arc, Tree tree) {
+        return arcs_[tree == kSource ? arc : arc ^ 1].residual;
+    }
     void activate(Index node);
     void attach(Index node, Index parent_arc, Tree tree, Index distance);
     Index grow(Index node);

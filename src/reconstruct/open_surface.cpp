@@ -6,12 +6,19 @@
 #include <algorithm>
 #include <deque>
 #include <numeric>
+#include <span>
 
 #include "core/parallel.h"
 
 namespace pointbake {
 namespace {
 
+// Largest circumradius of a facet in spacings: wider ones span holes. Facets without a flat point
+// have less to show for themselves.
+constexpr double kReach = 3.0, kAgreedReach = 1.5;
+// Pieces with fewer facets are leftovers of pruning; but not those of a few facets most of whose
+// points lie on no larger piece.
+constexpr std::size_t kLargePiece = 12, kMinPiece = 4;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -21,16 +28,10 @@ class Walker {
  public:
     Walker(const Tetrahedra& tets, const Cocone& cocone, const Context& context)
         : tets_(tets), context_(context), state_(tets.cells.size() * 4, kNone) {
-        const double reach = getenv("REACH") ? atof(getenv("REACH")) : 5, reach2 = getenv("REACH2") ? atof(getenv("REACH2")) : 1.5;
-        for (std::size_t f = 0; f < state_.size(); ++f) {
-            if (cocone.facets[f] == 0) continue;
-            const auto t = tets.triangle(static_cast<HalfFacet>(f));
-            const Vec3d a = tets.points[t[1]] - tets.points[t[0]], b = tets.points[t[2]] - tets.points[t[0]];
-            const double r = 0.5*std::sqrt(squared_length(a) * squared_length(b) * squared_length(b - a) / squared_length(cross(a, b)));
-            std::array<float,3> spp{cocone.spacing[t[0]], cocone.spacing[t[1]], cocone.spacing[t[2]]}; std::sort(spp.begin(),spp.end());
-            const double sp = spp[getenv("SEL")?atoi(getenv("SEL")):1];
-            if ((cocone.facets[f] & kSurfaceFacet) != 0 ? r <= reach * sp : r <= reach2 * sp) state_[f] = kCandidate;
-        }
+        parallel_for(context, state_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (HalfFacet f = static_cast<HalfFacet>(begin); f < end; ++f)
+                state_[f] = is_candidate(cocone, f) ? kCandidate : kNone;
+        });
     }
 
     FacetSurface run() {
@@ -39,8 +40,9 @@ class Walker {
         // Pieces start at cells with room around them: inside a sliver all sides are candidates.
         for (int max_candidates = 1; max_candidates <= 4; ++max_candidates)
             for (HalfFacet f = 0; f < state_.size(); ++f)
-                if (state_[f] == kCandidate && num_candidates(f / 4) <= max_candidates) walk_from(f);
-        return std::move(surface_);
+                if (state_[f] == kCandidate && num_candidates(f / 4) <= max_candidates)
+                    walk_from(f);
+        return keep_large_pieces();
     }
 
  private:
@@ -50,14 +52,26 @@ class Walker {
         bool alive;
     };
 
+    // Cocone's facets, and those that all their points agree on though none is flat (along creases
+    // and borders), as long as they are not far larger than the spacing.
+    bool is_candidate(const Cocone& cocone, HalfFacet f) const {
+        const std::uint8_t flags = cocone.facets[f];
+        if (flags == 0) return false;
+        const auto [a, b, c] = tets_.triangle(f);
+        const float x = cocone.spacing[a], y = cocone.spacing[b], z = cocone.spacing[c];
+        const double spacing = std::max(std::min(x, y), std::min(std::max(x, y), z));  // the median
+        const double reach = (flags & kSurfaceFacet) != 0 ? kReach : kAgreedReach;
+        return circumradius2(tets_, f) <= reach * reach * spacing * spacing;
+    }
+
     int num_candidates(Index cell) const {
         int n = 0;
         for (Index i = 0; i < 4; ++i) n += state_[cell * 4 + i] != kNone ? 1 : 0;
         return n;
     }
 
-    // Marks the facets that hang over at v: those that are left over when facets with a free edge at
-    // v are taken away one after the other, and a closed umbrella remains.
+    // Marks the facets that hang over at v: those that are left over when facets with a free edge
+    // at v are taken away one after the other, and a closed umbrella remains.
     void find_hanging(Index v, std::vector<Spoke>& spokes, std::vector<HalfFacet>& hanging) const {
         spokes.clear();
         for (Index c : tets_.star(v)) {
@@ -74,7 +88,8 @@ class Walker {
         for (bool changed = true; changed;) {
             changed = false;
             for (Spoke& s : spokes) {
-                if (!s.alive || (has_other(spokes, s, s.from) && has_other(spokes, s, s.to))) continue;
+                if (!s.alive || (has_other(spokes, s, s.from) && has_other(spokes, s, s.to)))
+                    continue;
                 s.alive = false, --num_alive;
                 changed = true;
             }
@@ -145,8 +160,10 @@ class Walker {
             const HalfFacet f = turn.cell * 4 + static_cast<Index>(turn.exit);
             if (f == back) break;
             if (state_[f] == kNone) continue;
-            if (found == kInvalidIndex) found = f;
-            else if (state_[f] == kCandidate) set_state(f, kNone);
+            if (found == kInvalidIndex)
+                found = f;
+            else if (state_[f] == kCandidate)
+                set_state(f, kNone);
         }
         if (found == kInvalidIndex) return;
         if (state_[found] == kCandidate) keep(found);
@@ -158,6 +175,108 @@ class Walker {
         if (surface_.mates[other][start] != kInvalidIndex) return;
         surface_.mates[t][k] = other * 3 + start;
         surface_.mates[other][start] = t * 3 + k;
+    }
+
+    // Connected facets: those of piece p are members[begin[p]] .. members[begin[p + 1] - 1].
+    struct Pieces {
+        std::vector<Index> begin{0}, members;
+        std::size_t size() const { return begin.size() - 1; }
+        std::span<const Index> of(std::size_t p) const {
+            return std::span(members).subspan(begin[p], begin[p + 1] - begin[p]);
+        }
+    };
+
+    Pieces find_pieces() const {
+        Pieces pieces;
+        pieces.members.reserve(surface_.facets.size());
+        std::vector<std::uint8_t> seen(surface_.facets.size(), 0);
+        for (Index first = 0; first < surface_.facets.size(); ++first) {
+            if (seen[first] != 0) continue;
+            seen[first] = 1;
+            pieces.members.push_back(first);
+            for (std::size_t head = pieces.begin.back(); head < pieces.members.size(); ++head) {
+                for (Index mate : surface_.mates[pieces.members[head]]) {
+                    if (mate == kInvalidIndex || seen[mate / 3] != 0) continue;
+                    seen[mate / 3] = 1;
+                    pieces.members.push_back(mate / 3);
+                }
+            }
+            pieces.begin.push_back(static_cast<Index>(pieces.members.size()));
+        }
+        return pieces;
+    }
+
+    std::vector<std::uint8_t> choose_pieces(const Pieces& pieces) const {
+        std::vector<std::uint8_t> is_kept(pieces.size(), 0), is_used(tets_.num_real(), 0);
+        std::size_t largest = 0;
+        for (std::size_t p = 0; p < pieces.size(); ++p)
+            largest = std::max(largest, pieces.of(p).size());
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
+            if (pieces.of(p).size() < std::min(kLargePiece, largest)) continue;
+            is_kept[p] = 1;
+            for (Index t : pieces.of(p))
+                for (Index v : tets_.triangle(surface_.facets[t])) is_used[v] = 1;
+        }
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
+            if (is_kept[p] != 0 || pieces.of(p).size() < kMinPiece) continue;
+            std::size_t num_used = 0;
+            for (Index t : pieces.of(p))
+                for (Index v : tets_.triangle(surface_.facets[t])) num_used += is_used[v];
+            is_kept[p] = num_used * 2 < pieces.of(p).size() * 3 ? 1 : 0;
+        }
+        return is_kept;
+    }
+
+    // Drops the small pieces and turns the others so that their outer side sees more of the far
+    // points.
+    FacetSurface keep_large_pieces() const {
+        const Pieces pieces = find_pieces();
+        const std::vector<std::uint8_t> is_kept = choose_pieces(pieces);
+        FacetSurface kept;
+        std::vector<Index> renumbered(surface_.facets.size(), kInvalidIndex);
+        std::vector<std::array<Index, 3>> edges(surface_.facets.size());
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
+            if (is_kept[p] == 0) continue;
+            const bool turn = is_inside_out(pieces.of(p));
+            for (Index t : pieces.of(p)) {
+                const HalfFacet own = surface_.facets[t];
+                renumbered[t] = static_cast<Index>(kept.facets.size());
+                kept.facets.push_back(turn ? tets_.mirror(own) : own);
+                edges[t] = turn ? turned_edges(own) : std::array<Index, 3>{0, 1, 2};
+            }
+        }
+        kept.mates.resize(kept.facets.size());
+        for (Index t = 0; t < surface_.facets.size(); ++t) {
+            if (renumbered[t] == kInvalidIndex) continue;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index mate = surface_.mates[t][k];
+                kept.mates[renumbered[t]][edges[t][k]] =
+                    mate == kInvalidIndex ? mate
+                                          : renumbered[mate / 3] * 3 + edges[mate / 3][mate % 3];
+            }
+        }
+        return kept;
+    }
+
+    bool is_inside_out(std::span<const Index> piece) const {
+        std::int64_t outer = 0, inner = 0;
+        for (Index t : piece) {
+            const HalfFacet f = surface_.facets[t];
+            inner += tets_.has_far(f / 4) ? 1 : 0;
+            outer += tets_.has_far(tets_.mirror(f) / 4) ? 1 : 0;
+        }
+        return inner > outer;
+    }
+
+    // Where each edge of a facet is found when it is seen from its other side.
+    std::array<Index, 3> turned_edges(HalfFacet facet) const {
+        const Triangle own = tets_.triangle(facet), other = tets_.triangle(tets_.mirror(facet));
+        std::array<Index, 3> edges{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Index start = own[(k + 1) % 3];  // it runs the other way there
+            edges[k] = other[0] == start ? 0 : (other[1] == start ? 1 : 2);
+        }
+        return edges;
     }
 
     const Tetrahedra& tets_;

@@ -1,5 +1,5 @@
-// The stage: one triangulation, one run of Cocone, then the surface it gives with borders or the one
-// that Tight Cocone closes. `auto` looks at both.
+// The stage: one triangulation, one run of Cocone, then the surface it gives with borders or the
+// one that Tight Cocone closes. `auto` looks at both.
 #include "pointbake/reconstruct.h"
 
 #include <algorithm>
@@ -129,7 +129,8 @@ class Stage {
         const bool is_closed = !closed.facets.empty() && d.added <= kMaxAdded && d.lost <= kMaxLost;
         const bool close = wanted_ == Surface::kWatertight || is_closed;
         report_.reason = fmt::format(
-            "{}: closing adds {:.2f} % of the area (at most {:.0f} % for a closed surface) and loses "
+            "{}: closing adds {:.2f} % of the area (at most {:.0f} % for a closed surface) and "
+            "loses "
             "{:.2f} % of what was found (at most {:.0f} %); {} of {} points are poor",
             close ? "watertight" : "open", 100 * d.added, 100 * kMaxAdded, 100 * d.lost,
             100 * kMaxLost, labels.num_poor, tets_.num_real());
@@ -162,8 +163,8 @@ class Stage {
         report_.num_triangles = t.num_triangles;
         report_.num_components = t.num_components;
         report_.num_boundary_loops = t.num_boundary_loops;
-        report_.num_unused = static_cast<Index>(cloud_.size()) +
-                             report_.num_split_vertices - t.num_vertices;
+        report_.num_unused =
+            static_cast<Index>(cloud_.size()) + report_.num_split_vertices - t.num_vertices;
         result.report = std::move(report_);
         log(context_, LogLevel::kInfo, "reconstruct: {}; {} triangles, {} components, {} borders",
             result.report.reason, t.num_triangles, t.num_components, t.num_boundary_loops);

@@ -11,14 +11,14 @@
 namespace pointbake {
 namespace {
 
-// Corners of a regular dodecahedron on the unit sphere: 1/sqrt(3), g/sqrt(3), 1/(g sqrt(3)) with the
-// golden ratio g, as literals.
+// Corners of a regular dodecahedron on the unit sphere: 1/sqrt(3), g/sqrt(3), 1/(g sqrt(3)) with
+// the golden ratio g, as literals.
 constexpr double kA = 0.57735026918962576, kB = 0.93417235896271569, kC = 0.35682208977308994;
 constexpr std::array<Vec3d, 20> kFarDirections{
-    {{kA, kA, kA},   {kA, kA, -kA},  {kA, -kA, kA},  {kA, -kA, -kA},  {-kA, kA, kA},
-     {-kA, kA, -kA}, {-kA, -kA, kA}, {-kA, -kA, -kA}, {0, kC, kB},     {0, kC, -kB},
-     {0, -kC, kB},   {0, -kC, -kB},  {kC, kB, 0},    {kC, -kB, 0},    {-kC, kB, 0},
-     {-kC, -kB, 0},  {kB, 0, kC},    {kB, 0, -kC},   {-kB, 0, kC},    {-kB, 0, -kC}}};
+    {{kA, kA, kA},   {kA, kA, -kA},  {kA, -kA, kA},   {kA, -kA, -kA}, {-kA, kA, kA},
+     {-kA, kA, -kA}, {-kA, -kA, kA}, {-kA, -kA, -kA}, {0, kC, kB},    {0, kC, -kB},
+     {0, -kC, kB},   {0, -kC, -kB},  {kC, kB, 0},     {kC, -kB, 0},   {-kC, kB, 0},
+     {-kC, -kB, 0},  {kB, 0, kC},    {kB, 0, -kC},    {-kB, 0, kC},   {-kB, 0, -kC}}};
 // Far enough that the sphere looks flat from the points, near enough for good numbers.
 constexpr double kFarRadius = 10.0;
 constexpr std::size_t kGrain = 1U << 14;
@@ -76,6 +76,14 @@ void build_stars(Tetrahedra& tets) {
 }
 
 }  // namespace
+
+double circumradius2(const Tetrahedra& tets, HalfFacet facet) {
+    const auto [i, j, k] = tets.triangle(facet);
+    const Vec3d a = tets.points[j] - tets.points[i], b = tets.points[k] - tets.points[i];
+    const double n2 = squared_length(cross(a, b));
+    if (n2 <= 0) return HUGE_VAL;
+    return squared_length(a) * squared_length(b) * squared_length(b - a) / (4.0 * n2);
+}
 
 Turn first_turn(const Tetrahedra& tets, HalfFacet facet, std::size_t edge) {
     const Index cell = facet / 4;

@@ -10,8 +10,8 @@
 
 namespace pointbake {
 
-/// Corners of the facet opposite vertex i of a positively oriented cell, counter-clockwise seen from
-/// outside the cell.
+/// Corners of the facet opposite vertex i of a positively oriented cell, counter-clockwise seen
+/// from outside the cell.
 inline constexpr std::array<std::array<std::size_t, 3>, 4> kFacetCorners{
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
@@ -66,6 +66,9 @@ struct Tetrahedra {
     }
 };
 
+/// Squared radius of the facet's circumcircle; infinite if it has no area.
+double circumradius2(const Tetrahedra& tets, HalfFacet facet);
+
 /// A step around an edge: the cell, the slot of the facet through which it is left, and the third
 /// vertex of that facet.
 struct Turn {
@@ -78,8 +81,7 @@ Turn first_turn(const Tetrahedra& tets, HalfFacet facet, std::size_t edge);
 /// Through the exit into the next cell around the same edge; there must be one.
 Turn next_turn(const Tetrahedra& tets, const Turn& turn);
 
-/// Sorts, merges equal points, adds the far ones, tetrahedralizes. `points` with `is_flat` lie in a
-/// plane z = 0 exactly. Throws as delaunay() does.
+/// Sorts, merges equal points, adds the far ones, tetrahedralizes. Throws as delaunay() does.
 Tetrahedra tetrahedralize(std::span<const Vec3d> points, const Context& context);
 
 }  // namespace pointbake

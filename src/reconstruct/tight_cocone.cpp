@@ -1,10 +1,13 @@
-// Based on [Dey03]: points with a whole umbrella split the cells around them in two sides, marked
-// from the convex hull; what they leave open is peeled from outside. Departures: both sides vote, and
-// a cell goes by the majority; pieces too small to be anything but a slip are dropped.
+// Based on [Dey03]: points with a whole umbrella split the cells around them in two sides.
+// Departures: the umbrellas are of the walked surface, in which slivers are resolved; points joined
+// by facets form patches, and which side of a patch is out follows from all the evidence there is,
+// strongest first, so that one bad point flips nothing; cells that the points leave open, or
+// disagree on, are not peeled one by one but labelled by a minimum cut (as [Labatut09] do with
+// other votes), which adds the least area; cavities inside stay; pieces too small to be anything
+// but a slip are dropped.
 #include "reconstruct/tight_cocone.h"
 
 #include <algorithm>
-#include <deque>
 #include <set>
 
 #include "core/adjacency.h"
@@ -19,6 +22,10 @@ constexpr double kFoldedCos = -0.9;  // facets folded onto each other at an edge
 constexpr Index kMinFacets = 12;
 // Cut costs in integers: of a facet as large as the squared spacing, and the largest.
 constexpr std::int64_t kUnitCost = 64, kMaxCost = 1 << 20;
+// A facet that Cocone had among its candidates costs this share.
+constexpr double kAgreedFactor = 0.3;
+// Votes that settle a cell if none is against: a single point may err.
+constexpr int kMinVotes = 2;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -26,7 +33,11 @@ class Labeller {
  public:
     Labeller(const Tetrahedra& tets, const Cocone& cocone, const FacetSurface& surface,
              const Context& context)
-        : tets_(tets), cocone_(cocone), surface_(surface), context_(context), wall_(tets.cells.size() * 4, 0) {
+        : tets_(tets),
+          cocone_(cocone),
+          surface_(surface),
+          context_(context),
+          wall_(tets.cells.size() * 4, 0) {
         for (HalfFacet f : surface.facets) wall_[f] = wall_[tets.mirror(f)] = 1;
     }
 
@@ -84,13 +95,14 @@ class Labeller {
         return false;
     }
 
-    // Two facets at the edge (v, w) that nearly lie on each other, or, where v is not flat, that form
-    // a sharp fold.
+    // Two facets at the edge (v, w) that nearly lie on each other, or, where v is not flat, that
+    // form a sharp fold.
     bool is_folded(Index v, Index w, HalfFacet f, HalfFacet g) const {
         const Vec3d axis = tets_.points[w] - tets_.points[v];
         const auto normal = [&](HalfFacet facet) {
             const Triangle t = tets_.triangle(facet);
-            const Index third = t[0] != v && t[0] != w ? t[0] : (t[1] != v && t[1] != w ? t[1] : t[2]);
+            const Index third =
+                t[0] != v && t[0] != w ? t[0] : (t[1] != v && t[1] != w ? t[1] : t[2]);
             return cross(axis, tets_.points[third] - tets_.points[v]);
         };
         // The two third vertices lie on opposite sides of the edge: opposite normals are flat.
@@ -120,7 +132,9 @@ class Labeller {
         });
     }
 
-    std::int8_t& side(Index cell, Index vertex) { return sides_[cell * 4 + tets_.slot(cell, vertex)]; }
+    std::int8_t& side(Index cell, Index vertex) {
+        return sides_[cell * 4 + tets_.slot(cell, vertex)];
+    }
 
     void split_star(Index v, std::vector<Index>& stack) {
         const auto star = tets_.star(v);
@@ -169,7 +183,8 @@ class Labeller {
     std::vector<Triangle> surface_triangles() const {
         std::vector<Triangle> triangles(surface_.facets.size());
         parallel_for(context_, triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t t = begin; t < end; ++t) triangles[t] = tets_.triangle(surface_.facets[t]);
+            for (std::size_t t = begin; t < end; ++t)
+                triangles[t] = tets_.triangle(surface_.facets[t]);
         });
         return triangles;
     }
@@ -270,16 +285,14 @@ class Labeller {
     Side settled_side(Index cell) const {
         if (tets_.has_far(cell)) return Side::kOut;
         const Votes votes = votes_of(cell);
-        static const int mv = getenv("MV") ? atoi(getenv("MV")) : 2;
-        if (votes.out >= mv && votes.in == 0) return Side::kOut;
-        if (votes.in >= mv && votes.out == 0) return Side::kIn;
+        if (votes.out >= kMinVotes && votes.in == 0) return Side::kOut;
+        if (votes.in >= kMinVotes && votes.out == 0) return Side::kIn;
         return Side::kOpen;
     }
 
     // What it costs to have this facet in the surface: its area in units of the local spacing, next
     // to nothing where Cocone found it.
     std::int64_t facet_cost(HalfFacet facet) const {
-        static const double ag = getenv("AGREED") ? atof(getenv("AGREED")) : 0.3;
         if (wall_[facet] != 0) return 1;
         double spacing2 = 0.0;
         for (Index v : tets_.triangle(facet)) {
@@ -287,7 +300,7 @@ class Labeller {
             spacing2 = std::max(spacing2, double{cocone_.spacing[v]} * cocone_.spacing[v]);
         }
         const double area = length(tets_.area_vector(facet));
-        const double factor = cocone_.facets[facet] != 0 ? ag : 1.0;
+        const double factor = cocone_.facets[facet] != 0 ? kAgreedFactor : 1.0;
         const double cost = kUnitCost * factor * area / spacing2;
         return 1 + static_cast<std::int64_t>(std::min(cost, double{kMaxCost}));
     }
@@ -298,7 +311,8 @@ class Labeller {
         std::vector<Index> nodes, node_of(n, kInvalidIndex);
         std::vector<Side> sides(n);
         parallel_for(context_, n, kGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t c = begin; c < end; ++c) sides[c] = settled_side(static_cast<Index>(c));
+            for (std::size_t c = begin; c < end; ++c)
+                sides[c] = settled_side(static_cast<Index>(c));
         });
         for (Index c = 0; c < n; ++c) {
             if (sides[c] != Side::kOpen) continue;
@@ -306,10 +320,20 @@ class Labeller {
             nodes.push_back(c);
         }
         MinCut cut(nodes.size());
-        static const double vc = getenv("VOTE") ? atof(getenv("VOTE")) : 1;
+        static const double bias = getenv("BIAS") ? atof(getenv("BIAS")) : 0, br = getenv("BR") ? atof(getenv("BR")) : 1;
         for (Index c : nodes) {
             const Votes votes = votes_of(c);
-            cut.add_terminal(node_of[c], static_cast<std::int64_t>(vc*kUnitCost) * (votes.out - votes.in));
+            {
+            const auto& v = tets_.cells[c];
+            const Vec3d o = tets_.points[v[0]], a = tets_.points[v[1]] - o, b = tets_.points[v[2]] - o, d = tets_.points[v[3]] - o;
+            const double aa=squared_length(a),bb=squared_length(b),dd=squared_length(d);
+            const double den = 2.0*dot(a,cross(b,d));
+            const Vec3d num = cross(b,d)*aa+cross(d,a)*bb+cross(a,b)*dd;
+            const double r2 = squared_length(num)/(den*den);
+            double s2=0; for (Index q: v) s2=std::max(s2,double{cocone_.spacing[q]}*cocone_.spacing[q]);
+            if (r2 < br*br*s2) cut.add_terminal(node_of[c], -static_cast<std::int64_t>(bias*kUnitCost));
+            }
+            cut.add_terminal(node_of[c], kUnitCost * (votes.out - votes.in));
             for (Index i = 0; i < 4; ++i) {
                 const Index other = tets_.neighbors[c][i];
                 const std::int64_t cost = facet_cost(c * 4 + i);
@@ -323,8 +347,8 @@ class Labeller {
         cut.solve(context_);
         outside_.resize(n);
         for (Index c = 0; c < n; ++c)
-            outside_[c] = sides[c] == Side::kOut || (sides[c] == Side::kOpen && cut.is_source(node_of[c]));
-        if(getenv("DBG")) fprintf(stderr,"  open cells %zu\n", nodes.size());
+            outside_[c] =
+                sides[c] == Side::kOut || (sides[c] == Side::kOpen && cut.is_source(node_of[c]));
     }
 
     // Connected pieces of inside cells, and of outside ones that no far point is part of, take the

@@ -11,9 +11,10 @@
 namespace pointbake {
 
 struct InsideLabels {
-    std::vector<std::uint8_t> inside;  ///< 1 per cell inside, 0 outside; cells at far points are out
-    Index num_poor = 0;                ///< points without a good umbrella
-    Index num_conflicts = 0;           ///< cells that got both labels
+    std::vector<std::uint8_t>
+        inside;               ///< 1 per cell inside, 0 outside; cells at far points are out
+    Index num_poor = 0;       ///< points without a good umbrella
+    Index num_conflicts = 0;  ///< cells that got both labels
 };
 
 /// Labels every cell; near linear. `surface` is what was walked of Cocone's facets.

@@ -14,14 +14,19 @@ Vec3d area_vector(const Surface& surface, Index t) {
     return cross(b - a, c - a) * 0.5;
 }
 
-// The point at a vertex takes the vertex' normal and a third of the area around it.
+// The point at a vertex takes the vertex' normal and a third of the area around it. The weights of
+// [Max99] make the normal independent of how flat parts are cut into triangles.
 void describe_by_vertex(const Surface& surface, Index vertex, Index point, Attribution& out) {
+    const Vec3d center = surface.positions[vertex];
     Vec3d sum;
     double area = 0.0;
     surface.for_each_corner(vertex, [&](Index c) {
-        const Vec3d n = area_vector(surface, c / 3);
-        sum += n;
-        area += length(n);
+        const Vec3d e = surface.positions[surface.after(c)] - center,
+                    f = surface.positions[surface.before(c)] - center;
+        const Vec3d n = cross(e, f);
+        const double lengths = squared_length(e) * squared_length(f);
+        if (lengths > 0.0) sum += n / lengths;
+        area += 0.5 * length(n);
     });
     out.normals[point] = vec_cast<float>(normalized(sum));
     out.weights[point] += static_cast<float>(area / 3.0);

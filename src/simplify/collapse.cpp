@@ -27,7 +27,7 @@ constexpr double kMinSweepGain = 0.02;
 // Vertices of a block; an edge is taken if its rings lie within one.
 constexpr std::size_t kBlockSize = 8192;
 
-// An edge as seen from one of its vertices.
+// An edge as seen from its lower vertex.
 struct Candidate {
     float cost = HUGE_VALF;
     Index other = kInvalidIndex;
@@ -73,14 +73,13 @@ class Collapser {
     bool is_bounded() const { return limits_.squared_distance < HUGE_VAL; }
     void report() const {
         const double goal = std::max<double>(1.0, num_before_ - limits_.num_triangles);
+        const double done = (num_before_ - surface_.num_triangles) / goal;
         report_progress(context_, "simplify",
-                        kShareOfStage * (num_before_ - surface_.num_triangles) / goal);
+                        limits_.progress_begin +
+                            (limits_.progress_end - limits_.progress_begin) * done);
     }
-    static constexpr double kShareOfStage = 0.7;
 
-    template <class Accept>
-    Candidate best_edge(Index v, Accept&& accept) const;
-    Candidate best_edge_upwards(Index v) const;
+    Candidate best_edge(Index v) const;
 
     void sweep_while_many();
     CollapseCounts sweep(std::size_t offset);
@@ -126,11 +125,11 @@ CollapseCounts sum(CollapseCounts a, const CollapseCounts& b) {
     return a;
 }
 
-template <class Accept>
-Candidate Collapser::best_edge(Index v, Accept&& accept) const {
+// The cheapest edge that was not refused to a higher vertex: each edge waits at its lower one.
+Candidate Collapser::best_edge(Index v) const {
     Candidate best;
     const auto offer = [&](Index w) {
-        if (!accept(w) || !order_.is_movable(v, w)) return;
+        if (w < v || !order_.is_movable(v, w)) return;
         const Candidate c{order_.cost(v, w), w};
         if (refused_[v] < c && c < best) best = c;
     };
@@ -141,11 +140,6 @@ Candidate Collapser::best_edge(Index v, Accept&& accept) const {
         if (!is_interior) offer(surface_.before(c));
     });
     return best;
-}
-
-// For the queue, where an edge waits at its lower vertex alone.
-Candidate Collapser::best_edge_upwards(Index v) const {
-    return best_edge(v, [&](Index w) { return w > v; });
 }
 
 void Collapser::sweep_while_many() {
@@ -180,7 +174,7 @@ CollapseCounts Collapser::sweep(std::size_t offset) {
     parallel_for(context_, n, kVertexGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!changed_[i]) continue;
-            best_[i] = best_edge(static_cast<Index>(i), [](Index) { return true; });
+            best_[i] = best_edge(static_cast<Index>(i));
             changed_[i] = 0;
         }
     });
@@ -215,11 +209,11 @@ void Collapser::sweep_block(Index begin, Index end, float threshold, CollapseCou
         Candidate best = best_[v];
         if (!changed_[v] && best.cost > threshold) continue;
         if (!is_within(v, begin, end)) continue;
-        if (changed_[v]) best = best_edge(v, [](Index) { return true; });
+        if (changed_[v]) best = best_edge(v);
         if (best.cost > threshold || best.other == kInvalidIndex ||
             !is_within(best.other, begin, end))
             continue;
-        const Index a = std::min(v, best.other), b = std::max(v, best.other);
+        const Index a = v, b = best.other;
         const Vec3d target = order_.placement(a, b);
         const Verdict verdict = judge.judge(a, b, target);
         count(verdict, counts);
@@ -275,7 +269,7 @@ void Collapser::fill_queue() {
             });
             if (!is_due[v]) continue;
             refused_[v] = kNothingRefused;
-            best_[v] = best_edge_upwards(v);
+            best_[v] = best_edge(v);
         }
     });
     for (Index v = 0; v < n; ++v) {
@@ -310,7 +304,7 @@ void Collapser::drain_queue() {
             update_queue(a, b);
         } else {
             refused_[a] = best_[a];
-            enqueue(a, best_edge_upwards(a));
+            enqueue(a, best_edge(a));
         }
     }
 }
@@ -325,7 +319,7 @@ void Collapser::update_queue(Index a, Index b) {
         const Index n = e.neighbor;
         changed_[n] = 1;
         if (best_[n].other == a || best_[n].other == b) {
-            enqueue(n, best_edge_upwards(n));
+            enqueue(n, best_edge(n));
         } else if (n < a) {
             const Candidate c{order_.cost(n, a), a};
             // Refused edges above the new one get a second chance with it.
@@ -333,7 +327,7 @@ void Collapser::update_queue(Index a, Index b) {
             if (c < best_[n]) enqueue(n, c);
         }
     }
-    enqueue(a, best_edge_upwards(a));
+    enqueue(a, best_edge(a));
 }
 
 }  // namespace

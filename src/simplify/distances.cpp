@@ -10,8 +10,10 @@ namespace pointbake {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-// About this many samples over the mesh; each triangle has one at least.
-constexpr double kNumSamples = 60000.0;
+// About this many samples over the mesh, so many per triangle of the surface; each triangle of the
+// mesh has one at least.
+constexpr double kMaxSamples = 20000.0;
+constexpr double kSamplesPerTriangle = 2.0;
 // Splits of a triangle's edges; a needle needs many, its area few.
 constexpr int kMaxSplits = 64;
 // The farthest point of a triangle from its centroid is a corner, at most 2/3 of a median and so of
@@ -72,7 +74,9 @@ DistanceStats mesh_to_surface(const Mesh& mesh, const Mesh& surface, const Conte
     const TriangleBvh bvh(surface.positions, surface.triangles);
     double area = 0.0;
     for (const Triangle& t : mesh.triangles) area += area_of(mesh, t);
-    const double spacing = std::max(std::sqrt(2.0 * area / kNumSamples), 1e-300);
+    const double num_samples = std::min(
+        kMaxSamples, kSamplesPerTriangle * static_cast<double>(surface.triangles.size()));
+    const double spacing = std::max(std::sqrt(2.0 * area / num_samples), 1e-300);
     return parallel_reduce(
                context, mesh.triangles.size(), kGrain / 16, Sums{},
                [&](std::size_t begin, std::size_t end) {

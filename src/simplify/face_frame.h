@@ -36,6 +36,7 @@ struct FaceFrame {
             sides[k] = normalized(cross(normal, corners[(k + 1) % 3] - corners[k]));
     }
     bool is_flat() const { return normal == Vec3d{}; }
+    double quality() const { return triangle_quality(corners[0], corners[1], corners[2]); }
 
     /// Squared distance of p to the plane.
     double squared_height(Vec3d p) const {

@@ -15,13 +15,19 @@ namespace {
 
 constexpr std::size_t kPointGrain = 2048;
 constexpr std::size_t kTriangleGrain = 512;
+constexpr std::size_t kVertexGrain = 64;
 // Rounds of attribution; the sum falls by less than a percent in a later one.
 constexpr int kNumRounds = 8;
-constexpr int kSweepsPerRound = 3;
+constexpr int kNumFlipRounds = 4;
+constexpr int kSweepsPerRound = 2;
 // Pull towards the present place, as a share of the mean eigenvalue: directions that the points do
 // not determine stay.
 constexpr double kStepPull = 0.02;
+// Of a triangle's normal before and after a step: 45 degrees.
+constexpr double kMinTurnCosine = 0.7;
+// Across an edge after a flip: about 75 degrees, unless it was sharper before.
 constexpr double kMinFlipCosine = 0.25;
+// Triangles worse than this may only improve.
 constexpr double kMinQuality = 0.05;
 // A flip must gain this share of what its points contribute; less is rounding and noise.
 constexpr double kMinFlipGain = 1e-3;
@@ -61,18 +67,17 @@ class Fitter {
 
     void run() {
         for (int round = 0; round < kNumRounds; ++round) {
-            walk();
+            walk(false);
             by_triangle_ = sort_by_owner(mesh_.owners, mesh_.triangles.size());
             for (int sweep = 0; sweep < kSweepsPerRound; ++sweep) {
-                for (Index v = 0; v < mesh_.positions.size(); ++v) improve_vertex(v);
-                check_cancelled(context_);
+                improve_vertices();
             }
-            if (round + 1 < kNumRounds) flip_edges();
+            if (round < kNumFlipRounds) flip_edges();
         }
-        walk();
+        walk(true);
     }
 
-    void walk();
+    void walk(bool is_thorough);
 
  private:
     FaceFrame frame_of(const Triangle& t) const {
@@ -86,11 +91,17 @@ class Fitter {
                              frames_[t] = frame_of(mesh_.triangles[t]);
                      });
     }
-    Vec3d step(Index v) const;
+    struct Step {
+        Vec3d step;
+        double error = 0.0;  // of the ring, before it
+    };
+    Step step(Index v) const;
     double ring_error(Index v, const std::vector<FaceFrame>& frames, double give_up_above) const;
     bool is_near_data(Index v, Vec3d place) const;
-    bool try_place(Index v, Vec3d place, double error_before);
-    void improve_vertex(Index v);
+    bool try_place(Index v, Vec3d place, double error_before, std::vector<FaceFrame>& ring);
+    void improve_vertex(Index v, std::vector<FaceFrame>& ring);
+    void improve_vertices();
+    std::vector<std::vector<Index>> color_vertices() const;
 
     struct Flip {
         double gain;
@@ -99,6 +110,7 @@ class Fitter {
     double flip_gain(Index t, Index k, const std::vector<std::array<Index, 3>>& neighbors,
                      std::array<Triangle, 2>* flipped) const;
     bool are_joined(Index c, Index d) const;
+    void apply_flip(Index t, Index s, const std::array<Triangle, 2>& flipped);
     void flip_edges();
 
     FitMesh& mesh_;
@@ -108,16 +120,18 @@ class Fitter {
     VertexTriangles rings_;
     PointsByTriangle by_triangle_;
     std::vector<FaceFrame> frames_;
-    std::vector<FaceFrame> ring_before_, ring_after_;
 };
 
-void Fitter::walk() {
+// Unless thorough, a point above its triangle stays there: another one can be nearer only across a
+// fold.
+void Fitter::walk(bool is_thorough) {
     parallel_for(context_, mesh_.owners.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
             Index& owner = mesh_.owners[p];
             if (owner == kInvalidIndex) continue;
             const Vec3d x = points_.points[p], n = vec_cast<double>(points_.normals[p]);
             double best = frames_[owner].squared_distance(x, HUGE_VAL);
+            if (!is_thorough && best == frames_[owner].squared_height(x)) continue;
             const bool is_askew = dot(n, frames_[owner].normal) <= 0.0;
             for (int i = 0; i < kMaxWalk; ++i) {
                 const Index from = owner;
@@ -137,8 +151,9 @@ void Fitter::walk() {
 
 // The Gauss-Newton step of one vertex: each point of its ring asks for its residual, scaled by the
 // barycentric weight that the vertex has at the point's foot.
-Vec3d Fitter::step(Index v) const {
-    Quadric q;  // of the step: A d = g is its minimum
+Fitter::Step Fitter::step(Index v) const {
+    Quadric q;  // of the step
+    Step out;
     for (Index t : rings_.of(v)) {
         const FaceFrame& frame = frames_[t];
         const Triangle& corners = mesh_.triangles[t];
@@ -146,20 +161,16 @@ Vec3d Fitter::step(Index v) const {
         for (Index p : by_triangle_.of(t)) {
             const ClosestFoot foot = frame.foot(points_.points[p]);
             const double b = foot.barycentric[k];
-            if (!(b > 0.0)) continue;
             const double w = points_.weights[p];
-            // Quadric of (b u . d - r)^2 with unit direction u and residual r.
-            q.xx += w * b * b * foot.direction.x * foot.direction.x;
-            q.xy += w * b * b * foot.direction.x * foot.direction.y;
-            q.xz += w * b * b * foot.direction.x * foot.direction.z;
-            q.yy += w * b * b * foot.direction.y * foot.direction.y;
-            q.yz += w * b * b * foot.direction.y * foot.direction.z;
-            q.zz += w * b * b * foot.direction.z * foot.direction.z;
-            q.b += foot.direction * (-w * b * foot.residual);
+            out.error += w * foot.residual * foot.residual;
+            if (!(b > 0.0)) continue;
+            // (b u . d - r)^2 with direction u and residual r, as the plane u . d = r / b.
+            q.add_plane(foot.direction, foot.direction * (foot.residual / b), w * b * b);
         }
     }
     const double trace = q.trace();
-    return trace > 0.0 ? q.minimum_near(Vec3d{}, kStepPull / 3.0 * trace, 1) : Vec3d{};
+    if (trace > 0.0) out.step = q.minimum_near(Vec3d{}, kStepPull / 3.0 * trace, 1);
+    return out;
 }
 
 double Fitter::ring_error(Index v, const std::vector<FaceFrame>& frames,
@@ -195,52 +206,70 @@ bool Fitter::is_near_data(Index v, Vec3d place) const {
     return nearest_after <= std::max(reach, nearest_before);
 }
 
-bool Fitter::try_place(Index v, Vec3d place, double error_before) {
-    ring_after_.clear();
-    std::size_t i = 0;
+bool Fitter::try_place(Index v, Vec3d place, double error_before, std::vector<FaceFrame>& ring) {
+    ring.clear();
     for (Index t : rings_.of(v)) {
-        const FaceFrame& before = ring_before_[i++];
+        const FaceFrame& before = frames_[t];
         const Triangle& corners = mesh_.triangles[t];
         std::array<Vec3d, 3> x = before.corners;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (corners[k] == v) x[k] = place;
-        }
+        x[corners[0] == v ? 0 : (corners[1] == v ? 1 : 2)] = place;
         const FaceFrame after(x[0], x[1], x[2]);
-        if (after.is_flat() || dot(before.normal, after.normal) < kMinFlipCosine) return false;
-        const double quality = triangle_quality(x[0], x[1], x[2]);
-        if (quality < kMinQuality &&
-            quality < triangle_quality(before.corners[0], before.corners[1], before.corners[2]))
-            return false;
-        ring_after_.push_back(after);
+        if (after.is_flat() || dot(before.normal, after.normal) < kMinTurnCosine) return false;
+        const double quality = after.quality();
+        if (quality < kMinQuality && quality < before.quality()) return false;
+        ring.push_back(after);
     }
-    if (!(ring_error(v, ring_after_, error_before) < error_before)) return false;
+    if (!(ring_error(v, ring, error_before) < error_before)) return false;
     if (!is_near_data(v, place)) return false;
     mesh_.positions[v] = place;
-    i = 0;
-    for (Index t : rings_.of(v)) frames_[t] = ring_after_[i++];
+    std::size_t i = 0;
+    for (Index t : rings_.of(v)) frames_[t] = ring[i++];
     return true;
 }
 
-void Fitter::improve_vertex(Index v) {
-    if (getenv("NOFIT")) return;
+void Fitter::improve_vertex(Index v, std::vector<FaceFrame>& ring) {
     if (mesh_.kinds[v] == VertexKind::kFixed) return;
-    ring_before_.clear();
-    Vec3d normal;
-    for (Index t : rings_.of(v)) {
-        ring_before_.push_back(frames_[t]);
-        normal += frames_[t].normal;
-    }
-    Vec3d d = step(v);
+    auto [d, before] = step(v);
     // Points tell where a surface is, not where it ends: a border moves along the normal alone.
     if (mesh_.kinds[v] == VertexKind::kCurve) {
+        Vec3d normal;
+        for (Index t : rings_.of(v)) normal += frames_[t].normal;
         normal = normalized(normal);
         d = normal * dot(normal, d);
     }
     if (!is_finite(d) || d == Vec3d{}) return;
-    const double before = ring_error(v, ring_before_, HUGE_VAL);
     const Vec3d from = mesh_.positions[v];
     for (double share : {1.0, 0.5}) {
-        if (try_place(v, from + d * share, before)) return;
+        if (try_place(v, from + d * share, before, ring)) return;
+    }
+}
+
+// Vertices in groups without an edge inside: those of one group do not feel each other.
+std::vector<std::vector<Index>> Fitter::color_vertices() const {
+    std::vector<std::vector<Index>> groups;
+    std::vector<std::size_t> colors(mesh_.positions.size(), 0);
+    std::vector<std::uint8_t> is_taken;
+    for (Index v = 0; v < mesh_.positions.size(); ++v) {
+        is_taken.assign(groups.size() + 1, 0);
+        for (Index t : rings_.of(v)) {
+            for (Index w : mesh_.triangles[t]) {
+                if (w < v) is_taken[colors[w]] = 1;
+            }
+        }
+        while (is_taken[colors[v]]) ++colors[v];
+        if (colors[v] == groups.size()) groups.emplace_back();
+        groups[colors[v]].push_back(v);
+    }
+    return groups;
+}
+
+void Fitter::improve_vertices() {
+    for (const std::vector<Index>& group : color_vertices()) {
+        parallel_for(context_, group.size(), kVertexGrain,
+                     [&](std::size_t begin, std::size_t end) {
+                         std::vector<FaceFrame> ring;
+                         for (std::size_t i = begin; i < end; ++i) improve_vertex(group[i], ring);
+                     });
     }
 }
 
@@ -276,11 +305,8 @@ double Fitter::flip_gain(Index t, Index k, const std::vector<std::array<Index, 3
         if (dot(f->normal, g1.normal) < kMinFlipCosine && dot(f->normal, g2.normal) < kMinFlipCosine)
             return 0.0;
     }
-    const auto quality = [](const FaceFrame& f) {
-        return triangle_quality(f.corners[0], f.corners[1], f.corners[2]);
-    };
-    const double new_quality = std::min(quality(f1), quality(f2));
-    if (new_quality < kMinQuality && new_quality < std::min(quality(g1), quality(g2))) return 0.0;
+    const double new_quality = std::min(f1.quality(), f2.quality());
+    if (new_quality < kMinQuality && new_quality < std::min(g1.quality(), g2.quality())) return 0.0;
     double before = 0.0, after = 0.0;
     for (Index f : {t, s}) {
         for (Index p : by_triangle_.of(f)) {
@@ -298,10 +324,23 @@ double Fitter::flip_gain(Index t, Index k, const std::vector<std::array<Index, 3
     return before - after > kMinFlipGain * before ? before - after : 0.0;
 }
 
+void Fitter::apply_flip(Index t, Index s, const std::array<Triangle, 2>& flipped) {
+    mesh_.triangles[t] = flipped[0];
+    mesh_.triangles[s] = flipped[1];
+    frames_[t] = frame_of(flipped[0]);
+    frames_[s] = frame_of(flipped[1]);
+    for (Index f : {t, s}) {
+        for (Index p : by_triangle_.of(f)) {
+            const double d = frames_[t].squared_distance(points_.points[p], HUGE_VAL);
+            mesh_.owners[p] = frames_[s].squared_distance(points_.points[p], d) < d ? s : t;
+        }
+    }
+}
+
 void Fitter::flip_edges() {
     const auto neighbors = triangle_neighbors(mesh_.triangles);
     const std::size_t n = mesh_.triangles.size();
-    walk();
+    walk(false);
     by_triangle_ = sort_by_owner(mesh_.owners, n);
     std::vector<std::array<double, 3>> gains(n);
     parallel_for(context_, n, kTriangleGrain, [&](std::size_t begin, std::size_t end) {
@@ -331,10 +370,7 @@ void Fitter::flip_edges() {
         if (!is_free) continue;
         std::array<Triangle, 2> flipped;
         if (!(flip_gain(f.triangle, f.edge, neighbors, &flipped) > 0.0)) continue;
-        mesh_.triangles[f.triangle] = flipped[0];
-        mesh_.triangles[s] = flipped[1];
-        frames_[f.triangle] = frame_of(flipped[0]);
-        frames_[s] = frame_of(flipped[1]);
+        apply_flip(f.triangle, s, flipped);
         for (const Triangle& t : flipped) {
             for (Index v : t) is_taken[v] = true;
         }
@@ -350,7 +386,7 @@ void fit_in_place(FitMesh& mesh, const Attribution& points, double squared_limit
 }
 
 void walk_to_nearest_in_place(FitMesh& mesh, const Attribution& points, const Context& context) {
-    Fitter(mesh, points, HUGE_VAL, context).walk();
+    Fitter(mesh, points, HUGE_VAL, context).walk(true);
 }
 
 }  // namespace pointbake

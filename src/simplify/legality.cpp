@@ -12,6 +12,8 @@ namespace {
 constexpr double kMinFlipCosine = 0.25;
 // Of a triangle's normal and the original normal of its points: 60 degrees, so that splats project.
 constexpr double kMinConeCosine = 0.5;
+// What is beyond that from the start, at sharp edges, must not get worse than by rounding.
+constexpr double kConeSlack = 1e-3;
 // Triangles worse than this may only improve.
 constexpr double kMinQuality = 0.05;
 
@@ -117,35 +119,48 @@ Verdict CollapseJudge::reattribute() {
     return Verdict::kLegal;
 }
 
+// The nearest new face within the bound that does not look too far away from n.
+std::uint32_t CollapseJudge::nearest_facing(Vec3d x, Vec3d n, double least_cosine) const {
+    double best = limit_;
+    std::uint32_t face = kInvalidIndex;
+    for (std::uint32_t f = 0; f < new_faces_.size(); ++f) {
+        if (dot(n, new_faces_[f].normal) < least_cosine) continue;
+        const double d = new_faces_[f].squared_distance(x, best);
+        if (d < best) best = d, face = f;
+    }
+    return face;
+}
+
 // Stops at the first point that would be too far or look the wrong way.
 Verdict CollapseJudge::reattribute(Index old_face) {
     if (attribution_.first_points[old_face] == kInvalidIndex) return Verdict::kLegal;
     const auto [qa, qb, qc] = surface_.corners_of(old_face);
     const Vec3d old_normal = normalized(cross(qb - qa, qc - qa));
-    // Mostly a point stays above the triangle that it was above. Another one may be nearer where
-    // the surface folds; that would only lower its distance.
     std::uint32_t guess = 0;
-    for (std::uint32_t f = 0; f < kept_faces_.size(); ++f) {
-        if (kept_faces_[f] == old_face) guess = f;
-    }
+    while (guess < kept_faces_.size() && kept_faces_[guess] != old_face) ++guess;
+    const bool is_kept = guess < kept_faces_.size();
+    if (!is_kept) guess = 0;
     for (Index p = attribution_.first_points[old_face]; p != kInvalidIndex;
          p = attribution_.next_points[p]) {
         const Vec3d x = attribution_.points[p];
         double best = new_faces_[guess].squared_distance(x, HUGE_VAL);
         std::uint32_t face = guess;
-        const bool is_above = best == new_faces_[guess].squared_height(x);
-        for (std::uint32_t f = 0; f < new_faces_.size() && !is_above; ++f) {
+        // Mostly a point stays above the triangle that it was above. Another one may be nearer
+        // where the surface folds; that would only lower its distance.
+        const bool stays =
+            is_kept && best <= limit_ && best == new_faces_[guess].squared_height(x);
+        for (std::uint32_t f = 0; f < new_faces_.size() && !stays; ++f) {
             const double d = new_faces_[f].squared_distance(x, best);
             if (d < best) best = d, face = f;
         }
         if (best > limit_) return Verdict::kBound;
         const Vec3d n = vec_cast<double>(attribution_.normals[p]);
-        const double cosine = dot(n, new_faces_[face].normal);
-        if (strictness == Strictness::kFull && cosine < kMinConeCosine &&
-            cosine < dot(n, old_normal))
-            return Verdict::kShape;
+        const double least = std::min(kMinConeCosine, dot(n, old_normal) - kConeSlack);
+        if (strictness == Strictness::kFull && dot(n, new_faces_[face].normal) < least) {
+            face = nearest_facing(x, n, least);
+            if (face == kInvalidIndex) return Verdict::kShape;
+        }
         moves_.push_back({p, face});
-        guess = face;
     }
     return Verdict::kLegal;
 }

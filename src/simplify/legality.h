@@ -43,6 +43,7 @@ class CollapseJudge {
     bool replace_corner(Index corner, Vec3d target);
     Verdict reattribute();
     Verdict reattribute(Index old_face);
+    std::uint32_t nearest_facing(Vec3d x, Vec3d n, double least_cosine) const;
 
     Surface& surface_;
     Attribution& attribution_;

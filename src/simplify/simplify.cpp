@@ -23,6 +23,10 @@ constexpr Length kDefaultBound = fraction(0.001);
 // Kept free below the bound, as a share of the diagonal, for coordinates that become floats.
 constexpr double kFloatMargin = 1e-7;
 constexpr std::size_t kPointGrain = 2048;
+// Progress when the points are attributed, the bounded collapses are done, all of them, and the
+// vertices are fitted: shares of the time it took on scans.
+constexpr double kPreparedShare = 0.1, kBoundedShare = 0.6, kCollapsedShare = 0.65,
+                 kMeasuredShare = 0.9;
 
 void validate(const DenseMesh& dense, const PointCloud& cloud, const SimplifyOptions& options) {
     if (options.geometry_error &&
@@ -190,11 +194,11 @@ void keep(const DenseMesh& dense, const Attribution& attribution, SimplifyResult
 // Collapses and fits until the limits are reached; returns the mesh in the frame's coordinates.
 FitMesh make_light(Surface& surface, Attribution& attribution, const SimplifyOptions& options,
                    double limit, SimplifyReport& report, const Context& context) {
-    CollapseLimits limits{options.triangles, limit * limit};
+    CollapseLimits limits{options.triangles, limit * limit, kPreparedShare, kBoundedShare};
     add(collapse_edges_in_place(surface, attribution, limits, context), report);
     // A budget is never exceeded: where the bound stops the work too early, it is given up.
     if (options.triangles > 0 && surface.num_triangles > options.triangles && limit < HUGE_VAL) {
-        limits.squared_distance = HUGE_VAL;
+        limits = {options.triangles, HUGE_VAL, kBoundedShare, kCollapsedShare};
         add(collapse_edges_in_place(surface, attribution, limits, context), report);
         report.bound_met = false;
     }
@@ -211,6 +215,7 @@ FitMesh make_light(Surface& surface, Attribution& attribution, const SimplifyOpt
              options.triangles, surface.num_triangles);
     drop_flat_triangles(surface, attribution);
     FitMesh light = compact(surface, attribution);
+    report_progress(context, "simplify", kCollapsedShare);
     fit_in_place(light, attribution, limits.squared_distance, context);
     return light;
 }
@@ -247,7 +252,7 @@ SimplifyResult simplify(const DenseMesh& dense, const PointCloud& cloud,
         owners = std::move(light.owners);
     }
     measure_points(cloud, attribution, std::move(owners), result, context);
-    report_progress(context, "simplify", 0.95);
+    report_progress(context, "simplify", kMeasuredShare);
     report.mesh_to_surface = mesh_to_surface(result.mesh, dense.mesh, context);
     report.num_triangles = static_cast<Index>(result.mesh.triangles.size());
     report.num_vertices = static_cast<Index>(result.mesh.positions.size());

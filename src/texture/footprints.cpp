@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "core/parallel.h"
-#include "texture/kernel.h"
 
 namespace pointbake {
 namespace {
@@ -116,11 +115,11 @@ double median_sigma(const PointCloud& cloud, double kernel_sigma) {
 // too.
 std::vector<float> spread_reach(const Footprints& prints,
                                 const std::vector<std::array<Index, 3>>& neighbors,
-                                std::size_t num_triangles) {
+                                std::size_t num_triangles, float cut) {
     std::vector<float> reach(num_triangles, 0.0F);
     for (Index t = 0; t < num_triangles; ++t) {
         for (const Footprint& f : prints.of(t)) {
-            reach[t] = std::max(reach[t], kKernelCut * std::sqrt(std::max(f.vxx, f.vyy)));
+            reach[t] = std::max(reach[t], cut * std::sqrt(std::max(f.vxx, f.vyy)));
         }
     }
     constexpr int kRounds = 3;  // far enough: further neighbours' splats do not get here
@@ -140,7 +139,8 @@ std::vector<float> spread_reach(const Footprints& prints,
 
 Footprints project_points(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
                           const Shell& shell, const std::vector<std::array<Index, 3>>& neighbors,
-                          double kernel_sigma, const Context& context) {
+                          const Kernel& kernel, const Context& context) {
+    const auto kernel_sigma = static_cast<double>(kernel.sigma);
     const std::size_t num_points = cloud.size(), num_triangles = mesh.triangles.size();
     const double max_sigma = kMaxSigmaOverMedian * median_sigma(cloud, kernel_sigma);
     std::vector<Placed> placed(num_points);
@@ -169,7 +169,7 @@ Footprints project_points(const Mesh& mesh, const PointCloud& cloud, std::span<c
     for (const Placed& p : placed) {
         if (p.triangle != kInvalidIndex) prints.items[next[p.triangle]++] = p.footprint;
     }
-    prints.reach = spread_reach(prints, neighbors, num_triangles);
+    prints.reach = spread_reach(prints, neighbors, num_triangles, kernel.cut);
     return prints;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/adjacency.h"
 #include "pointbake/simplify.h"
+#include "texture/kernel.h"
 #include "texture/shell.h"
 
 namespace pointbake {
@@ -30,9 +31,8 @@ struct Footprints {
     }
 };
 
-/// `kernel_sigma`: standard deviation over sqrt(area of a point).
 Footprints project_points(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
                           const Shell& shell, const std::vector<std::array<Index, 3>>& neighbors,
-                          double kernel_sigma, const Context& context);
+                          const Kernel& kernel, const Context& context);
 
 }  // namespace pointbake

@@ -1,13 +1,10 @@
-// The Gaussian exp(-q / 2), cut at q = kCut^2 and lowered so that it ends at 0 there: no jump at
-// the rim. By a polynomial: the same bits on every machine, and loops over it vectorise.
+// The Gaussian exp(-q / 2), cut at q = cut2 and lowered so that it ends at 0 there: no jump at the
+// rim. By a polynomial: the same bits on every machine, and loops over it vectorise.
 #pragma once
 
 namespace pointbake {
 
-inline constexpr float kKernelCut = 3.0F;  // standard deviations
-inline constexpr float kKernelCut2 = kKernelCut * kKernelCut;
-
-/// exp(-q / 2) = exp(-q / 16)^8 for q in [0, kKernelCut2]: relative error below 4e-4.
+/// exp(-q / 2) = exp(-q / 16)^8 for q in [0, 9]: relative error below 4e-4.
 constexpr float gaussian(float q) {
     const float t = q * (1.0F / 16.0F);
     const float e =
@@ -17,12 +14,24 @@ constexpr float gaussian(float q) {
     return e4 * e4;
 }
 
-/// Weight at squared Mahalanobis distance q in [0, kKernelCut2]: 1 at 0, 0 at the rim.
-constexpr float kernel(float q) {
-    constexpr float end = gaussian(kKernelCut2);
-    constexpr float scale = 1.0F / (1.0F - end);
-    const float w = (gaussian(q) - end) * scale;
-    return w > 0.0F ? w : 0.0F;
-}
+/// How a surfel is drawn.
+struct Kernel {
+    float sigma = 0.5F;  ///< standard deviation over sqrt(area of the point)
+    float cut = 3.0F;    ///< in standard deviations
+    float cut2 = 9.0F;
+    float rim = gaussian(9.0F);  ///< value that is taken off so that the kernel ends at 0
+    float low_pass = 0.25F;  ///< variance of the screen filter where texels are coarse, texels^2
+    bool fades_low_pass = true;  ///< the filter vanishes where texels are finer than the points
+
+    /// Weight at squared Mahalanobis distance q in [0, cut2].
+    float operator()(float q) const {
+        const float w = gaussian(q) - rim;
+        return w > 0.0F ? w : 0.0F;
+    }
+};
+
+/// PointShop3D's, which [Wicke05] was built on: exp(-|u / r|^2) cut at |u| = r = the spacing, that
+/// is sigma = r / sqrt(2) and a cut at sqrt(2) sigma; screen filter of variance 0.5.
+constexpr Kernel point_shop_kernel() { return {0.70710678F, 1.41421356F, 2.0F, 0.0F, 0.5F, false}; }
 
 }  // namespace pointbake

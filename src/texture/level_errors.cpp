@@ -8,17 +8,15 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "texture/kernel.h"
 
 namespace pointbake {
 namespace {
 
 constexpr std::size_t kGrain = 32;  // triangles per chunk
 constexpr int kMaxLevels = 40;
-constexpr float kNothingToGain = 0.35F;  // 8-bit rounding alone is 0.29
-constexpr double kTexelsPerPoint = 8.0;  // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
-constexpr std::size_t kFewPoints = 8;    // below, corners and middle are measured, too
-constexpr float kFullLowPass = 0.25F;  // variance, texels^2; the bilinear read adds 1/6 of its own
+constexpr float kNothingToGain = 0.35F;   // 8-bit rounding alone is 0.29
+constexpr double kTexelsPerPoint = 8.0;   // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
+constexpr std::size_t kFewPoints = 8;     // below, corners and middle are measured, too
 constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle, in splat radii
 
 struct Probe {
@@ -33,13 +31,14 @@ double mean_spacing(const SplatScene& scene, const PointCloud& cloud, Index tria
     for (const Footprint& f : own) area += static_cast<double>(cloud.areas[f.point]);
     if (area > 0.0) return std::sqrt(area / static_cast<double>(own.size()));
     return static_cast<double>(scene.prints.reach[triangle]) /
-           (0.5 * static_cast<double>(kKernelCut));
+           (static_cast<double>(scene.kernel.sigma * scene.kernel.cut));
 }
 
 // Coarse texels average what they cover; texels finer than the points have nothing to average.
-float low_pass_variance(double pitch, double spacing) {
+float low_pass_variance(const Kernel& kernel, double pitch, double spacing) {
+    if (!kernel.fades_low_pass) return kernel.low_pass;
     const double ratio = spacing > 0.0 ? pitch / spacing : 1.0;
-    return kFullLowPass * static_cast<float>(std::clamp(2.0 * ratio - 1.0, 0.0, 1.0));
+    return kernel.low_pass * static_cast<float>(std::clamp(2.0 * ratio - 1.0, 0.0, 1.0));
 }
 
 double border_of(const SplatScene& scene, Index triangle) {
@@ -51,7 +50,8 @@ PatchTexels patch_at(const LocalField& field, const TriangleFrame& frame, double
     const PatchLayout layout = patch_layout(frame, level_density(frame, level));
     const double texels = std::max(1.0, static_cast<double>(layout.base) * layout.height);
     const double pitch = std::sqrt(2.0 * frame.area() / texels);
-    return splat_patch(field, values, kind, layout, low_pass_variance(pitch, spacing));
+    return splat_patch(field, values, kind, layout,
+                       low_pass_variance(field.kernel(), pitch, spacing));
 }
 
 void add_probe(std::vector<Probe>& probes, const LocalField& field, MapKind kind,
@@ -81,6 +81,31 @@ std::vector<Probe> make_probes(const LocalField& field, const SplatScene& scene,
                   {static_cast<float>(middle.x), static_cast<float>(middle.y)}, weight);
     }
     return probes;
+}
+
+// [Wicke05] eq. (1) to the letter, as far as it can be: sum A_s |c_s - t(p_s)|, per area of the
+// triangle.
+std::vector<Probe> make_paper_probes(const SplatScene& scene, const PointCloud& cloud, MapKind kind,
+                                     std::span<const Vec3f> values, Index triangle) {
+    std::vector<Probe> probes;
+    const std::span<const Footprint> own = scene.prints.of(triangle);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+        if (own[k].hidden) continue;
+        const Vec3f color = to_steps(kind, values[scene.prints.begin[triangle] + k]);
+        probes.push_back({own[k].center, color, cloud.areas[own[k].point]});
+    }
+    return probes;
+}
+
+float paper_error(const PatchTexels& patch, MapKind kind, std::span<const Probe> probes,
+                  double area) {
+    double sum = 0.0;
+    for (const Probe& p : probes) {
+        const Vec3f d =
+            to_steps(kind, sample_bilinear(patch, kind, patch.layout.texel_of(p.place))) - p.wanted;
+        sum += static_cast<double>(p.weight) * static_cast<double>(length(d));
+    }
+    return area > 0.0 ? static_cast<float>(sum / area) : 0.0F;
 }
 
 float rms_error(const PatchTexels& patch, MapKind kind, std::span<const Probe> probes) {
@@ -174,15 +199,18 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, Map
             const double min_pitch = min_pitch_of(scene, cloud, triangle);
             field.gather(triangle, border_of(scene, triangle));
             const std::vector<Probe> probes =
-                make_probes(field, scene, cloud, kind, values, triangle);
+                options.paper ? make_paper_probes(scene, cloud, kind, values, triangle)
+                              : make_probes(field, scene, cloud, kind, values, triangle);
             LevelErrors::Patch& patch = out.patches[t];
             patch.begin = static_cast<Index>(levels.size());
             patch.area = frame.area();
             for (int level = 0; level < kMaxLevels; ++level) {
-                patch.cap = cap_of(frame, level, min_pitch, probes.size(), options.max_patch);
+                patch.cap = cap_of(frame, level, min_pitch, scene.prints.of(triangle).size(),
+                                   options.max_patch);
                 if (patch.cap != CapReason::kNone) break;
                 const PatchTexels texels = patch_at(field, frame, spacing, kind, values, level);
-                const float error = rms_error(texels, kind, probes);
+                const float error = options.paper ? paper_error(texels, kind, probes, frame.area())
+                                                  : rms_error(texels, kind, probes);
                 levels.push_back(
                     {error, static_cast<std::int32_t>(texels.need.shape.num_texels())});
                 ++patch.count;

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/hash.h"
-#include "texture/kernel.h"
 
 namespace pointbake {
 namespace {
@@ -105,7 +104,8 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;
         out.vxy = c * s * (f.vxx - f.vyy) + (c * c - s * s) * f.vxy;
         out.item = first + static_cast<Index>(i);
-        const float rx = kKernelCut * std::sqrt(out.vxx), ry = kKernelCut * std::sqrt(out.vyy);
+        const float rx = scene_.kernel.cut * std::sqrt(out.vxx),
+                    ry = scene_.kernel.cut * std::sqrt(out.vyy);
         if (out.center.x + rx < -grow || out.center.x - rx > width) continue;
         if (out.center.y + ry < -grow || out.center.y - ry > height) continue;
         const float det = out.vxx * out.vyy - out.vxy * out.vxy;
@@ -166,8 +166,8 @@ SplatSum LocalField::evaluate(Vec2f x, std::span<const Vec3f> values,
         const Inverse& v = inverses_[i];
         const float dx = x.x - s.center.x, dy = x.y - s.center.y;
         const float q = v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy;
-        if (!(q < kKernelCut2) || (!skip.empty() && skip[s.item])) continue;
-        const float w = kernel(q);
+        if (!(q < scene_.kernel.cut2) || (!skip.empty() && skip[s.item])) continue;
+        const float w = scene_.kernel(q);
         out.sum += values[s.item] * w;
         out.weight += w;
     }
@@ -185,8 +185,8 @@ SplatSum LocalField::evaluate_wide(Vec2f x, std::span<const Vec3f> values,
             const Inverse& v = inverses_[i];
             const float dx = x.x - s.center.x, dy = x.y - s.center.y;
             const float q = (v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy) / widen;
-            if (!(q < kKernelCut2)) continue;
-            const float w = kernel(q);
+            if (!(q < scene_.kernel.cut2)) continue;
+            const float w = scene_.kernel(q);
             out.sum += values[s.item] * w;
             out.weight += w;
         }

@@ -23,6 +23,7 @@ struct SplatScene {
     const Shell& shell;
     const std::vector<std::array<Index, 3>>& neighbors;
     const Footprints& prints;
+    const Kernel& kernel;
 };
 
 /// Weighted sum of splat values: value = sum / weight.
@@ -40,6 +41,7 @@ class LocalField {
     void gather(Index triangle, double border);
 
     std::span<const LocalSplat> splats() const { return splats_; }
+    const Kernel& kernel() const { return scene_.kernel; }
 
     /// The splatted function at x in the triangle's plane; `values` per item, `skip` (may be empty)
     /// leaves items out. Where no splat reaches, the kernels are widened until one does; weight 0 =

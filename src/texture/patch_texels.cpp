@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "texture/kernel.h"
-
 namespace pointbake {
 namespace {
 
@@ -20,7 +18,8 @@ struct ScreenSplat {
 };
 
 // The splat in texel coordinates; false if it is too thin to have any.
-bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, ScreenSplat& out) {
+bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, float cut,
+               ScreenSplat& out) {
     const float m00 = layout.column_x.x, m01 = layout.column_y.x, m11 = layout.column_y.y;
     const float xx = m00 * m00 * s.vxx + 2.0F * m00 * m01 * s.vxy + m01 * m01 * s.vyy;
     const float xy = m11 * (m00 * s.vxy + m01 * s.vyy);
@@ -35,7 +34,7 @@ bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, S
            vyy / det,
            -xy / det,
            vxx / det,
-           kKernelCut * std::sqrt(vyy),
+           cut * std::sqrt(vyy),
            std::sqrt(det_object / det),
            {}};
     return true;
@@ -47,7 +46,8 @@ struct Sums {
     explicit Sums(std::size_t n) : red(n), green(n), blue(n), weight(n) {}
 };
 
-void accumulate(const ScreenSplat& s, const NeedSet& need, int width, Sums& sums) {
+void accumulate(const ScreenSplat& s, const Kernel& kernel, const NeedSet& need, int width,
+                Sums& sums) {
     const int first_row =
         std::max(0, static_cast<int>(std::ceil(s.y - s.radius_y)) - need.offset_y);
     const int last_row = std::min(need.shape.height() - 1,
@@ -55,7 +55,7 @@ void accumulate(const ScreenSplat& s, const NeedSet& need, int width, Sums& sums
     for (int row = first_row; row <= last_row; ++row) {
         // Exact span of q < cut^2 in this row.
         const float dy = static_cast<float>(row + need.offset_y) - s.y;
-        const float root = (s.b * s.b - s.a * s.c) * dy * dy + s.a * kKernelCut2;
+        const float root = (s.b * s.b - s.a * s.c) * dy * dy + s.a * kernel.cut2;
         if (!(root > 0.0F)) continue;
         const float half = std::sqrt(root) / s.a, middle = s.x - s.b * dy / s.a;
         const PatchShape::Span span = need.shape.rows[static_cast<std::size_t>(row)];
@@ -130,9 +130,9 @@ PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, 
     Sums sums(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     for (const LocalSplat& s : field.splats()) {
         ScreenSplat screen;
-        if (!to_screen(s, layout, low_pass, screen)) continue;
+        if (!to_screen(s, layout, low_pass, field.kernel().cut, screen)) continue;
         screen.value = values[s.item];
-        accumulate(screen, patch.need, width, sums);
+        accumulate(screen, field.kernel(), patch.need, width, sums);
     }
     patch.values.resize(sums.weight.size());
     for (int row = 0; row < height; ++row) {

@@ -16,9 +16,8 @@
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kGrain = 32;    // triangles per chunk
-constexpr double kKernelSigma = 0.5;  // of sqrt(area); narrower leaves holes, wider blurs
-constexpr int kBisections = 60;       // of the price of a texel
+constexpr std::size_t kGrain = 32;  // triangles per chunk
+constexpr int kBisections = 60;     // of the price of a texel
 
 std::vector<Vec3f> map_values(const PointCloud& cloud, MapKind kind, const Footprints& prints) {
     std::vector<Vec3f> values(prints.items.size());
@@ -36,6 +35,7 @@ struct TextureBaker::Impl {
     const PointCloud& cloud;
     TextureOptions options;
     MapKind kind;
+    Kernel kernel;
     std::vector<std::array<Index, 3>> neighbors;
     Shell shell;
     Footprints prints;
@@ -50,15 +50,20 @@ struct TextureBaker::Impl {
           cloud(c),
           options(o),
           kind(c.colors.empty() ? MapKind::kNormal : MapKind::kColor),
+          kernel(o.paper ? point_shop_kernel() : Kernel{}),
           neighbors(triangle_neighbors(m.triangles)),
           shell(m, o.projection, context),
-          prints(project_points(m, c, owners, shell, neighbors, kKernelSigma, context)),
-          scene{mesh, shell, neighbors, prints} {
+          prints(project_points(m, c, owners, shell, neighbors, kernel, context)),
+          scene{mesh, shell, neighbors, prints, kernel} {
         report_progress(context, "texture", 0.1);
         raw = map_values(cloud, kind, prints);
         std::vector<std::uint64_t> rows(raw.size());
         for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = cloud.rows[prints.items[i].point];
-        sharpened = sharpen(scene, kind, raw, rows, context);
+        if (options.paper) {
+            sharpened.values = raw;
+        } else {
+            sharpened = sharpen(scene, kind, raw, rows, context);
+        }
         report_progress(context, "texture", 0.3);
         levels = measure_levels(scene, cloud, kind, sharpened.values, options, context);
         report_progress(context, "texture", 0.7);

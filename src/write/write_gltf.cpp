@@ -211,6 +211,7 @@ Json GltfWriter::material(Index index) const {
     pbr["roughnessFactor"] = 1.0;
     Json json = {{"name", m.name}, {"pbrMetallicRoughness", std::move(pbr)}};
     if (look.has_normal_image) json["normalTexture"] = texture_info(m.normal_image);
+    if (m.is_double_sided) json["doubleSided"] = true;
     if (!look.is_lit) json["extensions"]["KHR_materials_unlit"] = Json::object();
     return json;
 }

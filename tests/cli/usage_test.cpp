@@ -44,7 +44,6 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"in.ply", "-o", "./in.ply"}, "is an input"},
         {{"in.ply", "a.glb", "--report", "a.html"}, ".json"},
         {{"in.ply", "a.ply", "--write-points", "a.ply"}, "named twice"},
-        {{"in.ply", "a.glb", "--keep-uvs"}, "--mesh"},
         {{"in.ply", "a.glb", "--scale", "0"}, "--scale"},
         {{"in.ply", "--stop-after", "simplify"}, "--work-dir"},
         {{"-q", "info", "in.ply"}, "comes first"},

@@ -50,6 +50,23 @@ inline Mesh fine_cube(Index n) {
     return mesh;
 }
 
+/// Only the vertices that a triangle uses.
+inline Mesh without_unused(const Mesh& mesh) {
+    Mesh out;
+    std::vector<Index> new_vertices(mesh.positions.size(), kInvalidIndex);
+    for (Triangle t : mesh.triangles) {
+        for (Index& v : t) {
+            if (new_vertices[v] == kInvalidIndex) {
+                new_vertices[v] = static_cast<Index>(out.positions.size());
+                out.positions.push_back(mesh.positions[v]);
+            }
+            v = new_vertices[v];
+        }
+        out.triangles.push_back(t);
+    }
+    return out;
+}
+
 /// Distance of p to the mesh, by looking at every triangle and not by the code under test.
 inline double brute_distance(const Mesh& mesh, Vec3d p) {
     double best = HUGE_VAL;

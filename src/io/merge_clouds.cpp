@@ -1,11 +1,11 @@
-#include "merge_inputs.h"
-
+// Several clouds as one.
 #include <algorithm>
 
 #include "core/message.h"
 #include "io/order.h"
+#include "pointbake/load.h"
 
-namespace pointbake::cli {
+namespace pointbake {
 namespace {
 
 using Parts = std::vector<LoadResult>;
@@ -129,7 +129,7 @@ LoadReport summed_report(const Parts& parts, const PointCloud& cloud) {
 
 }  // namespace
 
-LoadResult merge_inputs(Parts parts, const Context& context) {
+LoadResult merge_clouds(Parts parts, const Context& context) {
     if (parts.size() == 1) return std::move(parts[0]);
     std::vector<std::string> notes;
     PointCloud all = concatenated(parts, notes);
@@ -143,4 +143,4 @@ LoadResult merge_inputs(Parts parts, const Context& context) {
     return result;
 }
 
-}  // namespace pointbake::cli
+}  // namespace pointbake

@@ -1,11 +1,10 @@
-#include "load_input.h"
+#include "io/mesh_vertices.h"
 
 #include <algorithm>
 
-#include "files.h"
 #include "io/order.h"
 
-namespace pointbake::cli {
+namespace pointbake {
 namespace {
 
 /// The triangles, over the points that their vertices became; those that lost a corner are left
@@ -28,9 +27,8 @@ Mesh over_points(const Mesh& mesh, const PointCloud& cloud,
 
 }  // namespace
 
-LoadResult load_points(const std::filesystem::path& path, const Context& context) {
-    if (!is_mesh_only_extension(path)) return load_cloud(path, {}, context);
-    TexturedMesh model = load_mesh(path, context);
+LoadResult vertices_as_points(const TexturedMesh& model, const std::filesystem::path& path,
+                              const Context& context) {
     PointCloud vertices;
     vertices.positions = model.mesh.positions;
     vertices.colors = model.mesh.colors;
@@ -51,4 +49,4 @@ LoadResult load_points(const std::filesystem::path& path, const Context& context
     return result;
 }
 
-}  // namespace pointbake::cli
+}  // namespace pointbake
