@@ -299,8 +299,8 @@ class Labeller {
             if (tets_.is_far(v)) return kMaxCost;
             spacing2 = std::max(spacing2, double{cocone_.spacing[v]} * cocone_.spacing[v]);
         }
-        const double area = length(tets_.area_vector(facet));
-        const double factor = cocone_.facets[facet] != 0 ? kAgreedFactor : 1.0;
+        const double area = length(tets_.area_vector(facet)) * (getenv("PW") ? std::min(4.0, std::max(0.25, std::sqrt(circumradius2(tets_, facet) / spacing2))) : 1.0);
+        const double factor = cocone_.facets[facet] != 0 ? (getenv("AG")?atof(getenv("AG")):kAgreedFactor) : 1.0;
         const double cost = kUnitCost * factor * area / spacing2;
         return 1 + static_cast<std::int64_t>(std::min(cost, double{kMaxCost}));
     }
@@ -320,19 +320,8 @@ class Labeller {
             nodes.push_back(c);
         }
         MinCut cut(nodes.size());
-        static const double bias = getenv("BIAS") ? atof(getenv("BIAS")) : 0, br = getenv("BR") ? atof(getenv("BR")) : 1;
         for (Index c : nodes) {
             const Votes votes = votes_of(c);
-            {
-            const auto& v = tets_.cells[c];
-            const Vec3d o = tets_.points[v[0]], a = tets_.points[v[1]] - o, b = tets_.points[v[2]] - o, d = tets_.points[v[3]] - o;
-            const double aa=squared_length(a),bb=squared_length(b),dd=squared_length(d);
-            const double den = 2.0*dot(a,cross(b,d));
-            const Vec3d num = cross(b,d)*aa+cross(d,a)*bb+cross(a,b)*dd;
-            const double r2 = squared_length(num)/(den*den);
-            double s2=0; for (Index q: v) s2=std::max(s2,double{cocone_.spacing[q]}*cocone_.spacing[q]);
-            if (r2 < br*br*s2) cut.add_terminal(node_of[c], -static_cast<std::int64_t>(bias*kUnitCost));
-            }
             cut.add_terminal(node_of[c], kUnitCost * (votes.out - votes.in));
             for (Index i = 0; i < 4; ++i) {
                 const Index other = tets_.neighbors[c][i];

@@ -17,14 +17,14 @@ namespace {
 constexpr std::size_t kVertexGrain = 2048;
 constexpr std::uint64_t kEdgesPerPoll = 1024;
 // Sweeps end at this many times the wanted number of triangles: below, the order matters.
-constexpr double kSweepEnd = 5.0;
+constexpr double kSweepEnd = 8.0;
 // A sweep takes the cheapest of the vertices' best edges, this share of them.
 constexpr double kSweepShare = 0.35;
 // Sweeps end when this share of their collapses is refused by the bound, or when they collapse less
 // than this share of the vertices.
 constexpr double kMaxRefusedShare = 0.1;
 constexpr double kMinSweepGain = 0.02;
-// Vertices of a block; an edge is taken if its rings lie within one.
+// Living vertices of a block; an edge is taken if its rings lie within one.
 constexpr std::size_t kBlockSize = 8192;
 
 // An edge as seen from its lower vertex.
@@ -85,7 +85,7 @@ class Collapser {
     CollapseCounts sweep(std::size_t offset);
     void sweep_block(Index begin, Index end, float threshold, CollapseCounts& counts);
     bool is_within(Index v, Index begin, Index end) const;
-    float sweep_threshold();
+    float sweep_threshold(const std::vector<Index>& alive) const;
 
     void pass_until_stuck();
     void enqueue(Index v, Candidate best);
@@ -146,7 +146,7 @@ void Collapser::sweep_while_many() {
     const double end = kSweepEnd * limits_.num_triangles;
     for (std::size_t round = 0; surface_.num_triangles > end; ++round) {
         const Index num_before = surface_.num_triangles;
-        const CollapseCounts counts = sweep(round % 2 == 0 ? 0 : kBlockSize / 2);
+        const CollapseCounts counts = sweep(round % 2 == 0 ? kBlockSize : kBlockSize / 2);
         surface_.num_triangles -= static_cast<Index>(counts.num_triangles_removed);
         counts_ = sum(counts_, counts);
         report();
@@ -157,11 +157,10 @@ void Collapser::sweep_while_many() {
 }
 
 // The cost up to which a share of the vertices has an edge.
-float Collapser::sweep_threshold() {
+float Collapser::sweep_threshold(const std::vector<Index>& alive) const {
     std::vector<float> costs;
-    for (Index v = 0; v < best_.size(); ++v) {
-        if (surface_.first_corners[v] != kInvalidIndex && best_[v].other != kInvalidIndex)
-            costs.push_back(best_[v].cost);
+    for (Index v : alive) {
+        if (best_[v].other != kInvalidIndex) costs.push_back(best_[v].cost);
     }
     if (costs.empty()) return 0.0F;
     const auto rank = static_cast<std::ptrdiff_t>(kSweepShare * static_cast<double>(costs.size()));
@@ -169,25 +168,30 @@ float Collapser::sweep_threshold() {
     return costs[static_cast<std::size_t>(rank)];
 }
 
+// Blocks are ranges of vertices with `offset` living ones in the first, kBlockSize in the others.
+// The offset changes from sweep to sweep, so that the blocks' borders get their turn.
 CollapseCounts Collapser::sweep(std::size_t offset) {
-    const std::size_t n = surface_.positions.size();
-    parallel_for(context_, n, kVertexGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Index> alive;
+    for (Index v = 0; v < surface_.positions.size(); ++v) {
+        if (surface_.first_corners[v] != kInvalidIndex) alive.push_back(v);
+    }
+    parallel_for(context_, alive.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (!changed_[i]) continue;
-            best_[i] = best_edge(static_cast<Index>(i));
-            changed_[i] = 0;
+            if (!changed_[alive[i]]) continue;
+            best_[alive[i]] = best_edge(alive[i]);
+            changed_[alive[i]] = 0;
         }
     });
-    const float threshold = sweep_threshold();
-    // Blocks are shifted from sweep to sweep, so that their borders get their turn.
-    const std::size_t num_blocks = (n + offset + kBlockSize - 1) / kBlockSize;
+    const float threshold = sweep_threshold(alive);
+    const auto first_of = [&](std::size_t block) {
+        const std::size_t i = block == 0 ? 0 : (block - 1) * kBlockSize + offset;
+        return i < alive.size() ? alive[i] : static_cast<Index>(surface_.positions.size());
+    };
     return parallel_reduce(
-        context_, num_blocks, 1, CollapseCounts{},
+        context_, alive.size() / kBlockSize + 2, 1, CollapseCounts{},
         [&](std::size_t block, std::size_t) {
             CollapseCounts counts;
-            const std::size_t end = std::min(n, (block + 1) * kBlockSize - offset);
-            const std::size_t begin = block * kBlockSize > offset ? block * kBlockSize - offset : 0;
-            sweep_block(static_cast<Index>(begin), static_cast<Index>(end), threshold, counts);
+            sweep_block(first_of(block), first_of(block + 1), threshold, counts);
             return counts;
         },
         sum);

@@ -16,15 +16,20 @@ constexpr int kMaxCells = 64;        // per side of the bin grid
 
 }  // namespace
 
-bool LocalField::Seen::insert(Index triangle) {
+std::size_t LocalField::Seen::slot_of(Index triangle) const {
     std::size_t slot = hash64(triangle) % kSlots;
-    while (slots_[slot] != kInvalidIndex) {
-        if (slots_[slot] == triangle) return false;
-        slot = (slot + 1) % kSlots;
-    }
+    while (slots_[slot] != kInvalidIndex && slots_[slot] != triangle) slot = (slot + 1) % kSlots;
+    return slot;
+}
+
+bool LocalField::Seen::contains(Index triangle) const {
+    return slots_[slot_of(triangle)] == triangle;
+}
+
+void LocalField::Seen::insert(Index triangle) {
+    const std::size_t slot = slot_of(triangle);
     slots_[slot] = triangle;
     used_.push_back(slot);
-    return true;
 }
 
 void LocalField::Seen::clear() {
@@ -41,47 +46,66 @@ void LocalField::gather(Index triangle, double border) {
     build_bins();
 }
 
-// Breadth first over edges; each triangle is unfolded once, along the first way found.
+// The neighbour across edge k of an unfolded triangle, laid beside it: the shared edge in both
+// frames gives the rotation and the shift.
+std::optional<LocalField::Unfolded> LocalField::unfold_across(const Unfolded& at, std::size_t k,
+                                                              Index next) const {
+    const Triangle& tri = scene_.mesh.triangles[next];
+    const Index a_vertex = scene_.mesh.triangles[at.triangle][k];
+    const std::size_t ka = tri[0] == a_vertex ? 0 : (tri[1] == a_vertex ? 1 : 2);
+    const TriangleFrame& from = scene_.shell.frame(at.triangle);
+    const TriangleFrame& to = scene_.shell.frame(next);
+    const Vec2d a = at.place(from.corners[k]), d = at.place(from.corners[(k + 1) % 3]) - a;
+    const Vec2d a1 = to.corners[ka], e = to.corners[(ka + 2) % 3] - a1;
+    const double norm = length(d) * length(e);
+    if (!(norm > 0.0)) return std::nullopt;
+    Unfolded u{next, at.root, dot(e, d) / norm, cross(e, d) / norm, 0.0, 0.0};
+    u.tx = a.x - (u.c * a1.x - u.s * a1.y);
+    u.ty = a.y - (u.s * a1.x + u.c * a1.y);
+    return u;
+}
+
+// Whether an unfolded triangle comes within `reach` of the edge of the home triangle that the way
+// to it leaves through.
+bool LocalField::is_near_root(const Unfolded& u, double reach) const {
+    const RootEdge& root = roots_[u.root];
+    double nearest = HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
+    for (const Vec2d& corner : scene_.shell.frame(u.triangle).corners) {
+        const Vec2d d = u.place(corner) - root.start;
+        nearest = std::min(nearest, dot(d, root.outward));
+        first = std::min(first, dot(d, root.along));
+        last = std::max(last, dot(d, root.along));
+    }
+    return nearest <= reach && last >= -reach && first <= root.length + reach;
+}
+
+// Breadth first over edges; each triangle is unfolded once, along the first way found. A way stays
+// near the edge it leaves the home triangle through: on its wanderings it would come back over the
+// home triangle itself.
 void LocalField::unfold(Index triangle, double border) {
     const TriangleFrame& home = scene_.shell.frame(triangle);
     const double reach = border + static_cast<double>(scene_.prints.reach[triangle]);
-    const double low_x = -reach, high_x = home.base() + reach;
-    const double low_y = -reach, high_y = home.height() + reach;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2d a = home.corners[k], d = home.corners[(k + 1) % 3] - a;
+        const double l = length(d);
+        const Vec2d along = l > 0.0 ? d / l : Vec2d{1.0, 0.0};
+        roots_[k] = {a, along, {along.y, -along.x}, l};
+    }
     queue_.clear();
     seen_.clear();
     seen_.insert(triangle);
-    queue_.push_back({triangle, 1.0, 0.0, 0.0, 0.0});
+    queue_.push_back({triangle, kHome, 1.0, 0.0, 0.0, 0.0});
     for (std::size_t head = 0; head < queue_.size() && queue_.size() < kMaxUnfolded; ++head) {
         const Unfolded at = queue_[head];
-        const TriangleFrame& from = scene_.shell.frame(at.triangle);
         for (std::size_t k = 0; k < 3; ++k) {
             const Index next = scene_.neighbors[at.triangle][k];
-            if (next == kInvalidIndex) continue;
-            if (!seen_.insert(next)) continue;
-            // The shared edge in both frames gives the rotation and the shift.
-            const Triangle& tri = scene_.mesh.triangles[next];
-            const Index a_vertex = scene_.mesh.triangles[at.triangle][k];
-            const std::size_t ka = tri[0] == a_vertex ? 0 : (tri[1] == a_vertex ? 1 : 2);
-            const TriangleFrame& to = scene_.shell.frame(next);
-            const Vec2d a0 = from.corners[k], b0 = from.corners[(k + 1) % 3];
-            const Vec2d a1 = to.corners[ka], b1 = to.corners[(ka + 2) % 3];
-            const auto place = [&](Vec2d x) {
-                return Vec2d{at.c * x.x - at.s * x.y + at.tx, at.s * x.x + at.c * x.y + at.ty};
-            };
-            const Vec2d a = place(a0), d = place(b0) - a, e = b1 - a1;
-            const double norm = length(d) * length(e);
-            if (!(norm > 0.0)) continue;
-            Unfolded u{next, dot(e, d) / norm, cross(e, d) / norm, 0.0, 0.0};
-            u.tx = a.x - (u.c * a1.x - u.s * a1.y);
-            u.ty = a.y - (u.s * a1.x + u.c * a1.y);
-            double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
-            for (const Vec2d& corner : to.corners) {
-                const double x = u.c * corner.x - u.s * corner.y + u.tx;
-                const double y = u.s * corner.x + u.c * corner.y + u.ty;
-                x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y),
-                y1 = std::max(y1, y);
-            }
-            if (x0 <= high_x && x1 >= low_x && y0 <= high_y && y1 >= low_y) queue_.push_back(u);
+            if (next == kInvalidIndex || seen_.contains(next)) continue;
+            std::optional<Unfolded> u = unfold_across(at, k, next);
+            if (!u) continue;
+            if (at.root == kHome) u->root = k;
+            if (!is_near_root(*u, reach)) continue;
+            seen_.insert(next);
+            queue_.push_back(*u);
         }
     }
 }
@@ -104,6 +128,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;
         out.vxy = c * s * (f.vxx - f.vyy) + (c * c - s * s) * f.vxy;
         out.item = first + static_cast<Index>(i);
+        if (from.root != kHome && !is_outside(from.root, out.center)) continue;
         const float rx = scene_.kernel.cut * std::sqrt(out.vxx),
                     ry = scene_.kernel.cut * std::sqrt(out.vyy);
         if (out.center.x + rx < -grow || out.center.x - rx > width) continue;

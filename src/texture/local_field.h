@@ -3,6 +3,8 @@
 // cure for seams.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -50,17 +52,27 @@ class LocalField {
                       std::span<const std::uint8_t> skip = {}) const;
 
  private:
+    static constexpr std::size_t kHome =
+        3;  ///< `root` of the triangle that everything is unfolded around
     struct Unfolded {
         Index triangle;
+        std::size_t root;     ///< edge of the home triangle that the way to this one leaves through
         double c, s, tx, ty;  ///< x' = c x - s y + tx, y' = s x + c y + ty
+        Vec2d place(Vec2d x) const { return {c * x.x - s * x.y + tx, s * x.x + c * x.y + ty}; }
+    };
+    struct RootEdge {
+        Vec2d start, along, outward;  ///< unit vectors; outward of the home triangle
+        double length = 0.0;
     };
     // Triangles unfolded so far: a small open-addressing set.
     class Seen {
      public:
-        bool insert(Index triangle);  ///< false if it was there
+        bool contains(Index triangle) const;
+        void insert(Index triangle);  ///< must not be there yet
         void clear();
 
      private:
+        std::size_t slot_of(Index triangle) const;
         static constexpr std::size_t kSlots = 2048;  ///< several times the most that is unfolded
         std::vector<Index> slots_ = std::vector<Index>(kSlots, kInvalidIndex);
         std::vector<std::size_t> used_;
@@ -69,6 +81,13 @@ class LocalField {
         float a, b, c, radius_x, radius_y;
     };
     void unfold(Index triangle, double border);
+    std::optional<Unfolded> unfold_across(const Unfolded& at, std::size_t k, Index next) const;
+    bool is_near_root(const Unfolded& u, double reach) const;
+    bool is_outside(std::size_t root, Vec2f x) const {
+        const Vec2d d =
+            Vec2d{static_cast<double>(x.x), static_cast<double>(x.y)} - roots_[root].start;
+        return dot(d, roots_[root].outward) > 0.0;
+    }
     void add_splats(const Unfolded& from, double border);
     void build_bins();
     SplatSum evaluate_wide(Vec2f x, std::span<const Vec3f> values,
@@ -76,6 +95,7 @@ class LocalField {
 
     SplatScene scene_;
     Index triangle_ = kInvalidIndex;
+    std::array<RootEdge, 3> roots_{};
     std::vector<Unfolded> queue_;
     Seen seen_;
     std::vector<LocalSplat> splats_;

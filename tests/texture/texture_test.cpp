@@ -7,6 +7,7 @@
 
 #include "pointbake/error.h"
 #include "texture/planes.h"
+#include "texture/shell.h"
 
 namespace pointbake {
 namespace {
@@ -129,6 +130,41 @@ TEST(Texture, TrianglesWithoutPointsTakeTheColourAround) {
     const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
     const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
     EXPECT_NEAR(color_at(baked.model, 1, {0.2, 0.2, 0.6}).x, 0.9 * 255, 1.0);
+}
+
+TEST(Texture, SurfaceThatUnfoldsBackOverATriangleDoesNotColourIt) {
+    // Twelve corners of 60 degrees at one vertex: halfway around, the unfolded surface lies over
+    // the triangle it started from.
+    Painted p;
+    constexpr int kCorners = 12;
+    p.mesh.positions.push_back({0, 0, 0});
+    for (int i = 0; i < kCorners; ++i) {
+        const double angle = 2.0 * 3.14159265358979 * i / kCorners;
+        p.mesh.positions.push_back({std::cos(angle), std::sin(angle), i % 2 ? 0.494 : -0.494});
+        p.mesh.triangles.push_back(
+            {0, static_cast<Index>(i + 1), static_cast<Index>((i + 1) % kCorners + 1)});
+    }
+    for (Index t = 0; t < kCorners; ++t) {
+        const Triangle& tri = p.mesh.triangles[t];
+        const TriangleFrame frame = triangle_frame(p.mesh, t);
+        for (int i = 1; i < 12; ++i) {
+            for (int j = 1; j < 12 - i; ++j) {
+                const double u = i / 12.0, v = j / 12.0;
+                p.cloud.positions.push_back(p.mesh.positions[tri[0]] * (1 - u - v) +
+                                            p.mesh.positions[tri[1]] * u +
+                                            p.mesh.positions[tri[2]] * v);
+                p.cloud.colors.push_back(t == 6 ? Rgb16{65535, 0, 0} : Rgb16{0, 0, 65535});
+                p.cloud.normals.push_back(vec_cast<float>(frame.ez));
+                p.cloud.areas.push_back(static_cast<float>(frame.area() / 55.0));
+                p.cloud.rows.push_back(p.cloud.rows.size());
+                p.owners.push_back(t);
+            }
+        }
+    }
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
+    EXPECT_EQ(color_at(baked.model, 0, {0.2, 0.4, 0.4}).x, 0.0);
+    EXPECT_EQ(color_at(baked.model, 6, {0.2, 0.4, 0.4}).x, 255.0);
 }
 
 TEST(Texture, NormalMapOfAFlatSquareIsFlat) {
