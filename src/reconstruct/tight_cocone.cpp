@@ -23,7 +23,9 @@ constexpr Index kMinFacets = 12;
 // Cut costs in integers: of a facet as large as the squared spacing, and the largest.
 constexpr std::int64_t kUnitCost = 64, kMaxCost = 1 << 20;
 // A facet that Cocone had among its candidates costs this share.
-constexpr double kAgreedFactor = 0.3;
+constexpr double kAgreedFactor = 0.1;
+// Circumradius in spacings: how far it may lower or raise a facet's cost.
+constexpr double kMinReach = 0.25, kMaxReach = 4.0;
 // Votes that settle a cell if none is against: a single point may err.
 constexpr int kMinVotes = 2;
 constexpr std::size_t kGrain = 1U << 11;
@@ -290,8 +292,8 @@ class Labeller {
         return Side::kOpen;
     }
 
-    // What it costs to have this facet in the surface: its area in units of the local spacing, next
-    // to nothing where Cocone found it.
+    // What it costs to have this facet in the surface: its area in units of the local spacing, more
+    // where its points lie far apart, next to nothing where Cocone found it.
     std::int64_t facet_cost(HalfFacet facet) const {
         if (wall_[facet] != 0) return 1;
         double spacing2 = 0.0;
@@ -299,9 +301,10 @@ class Labeller {
             if (tets_.is_far(v)) return kMaxCost;
             spacing2 = std::max(spacing2, double{cocone_.spacing[v]} * cocone_.spacing[v]);
         }
-        const double area = length(tets_.area_vector(facet)) * (getenv("PW") ? std::min(4.0, std::max(0.25, std::sqrt(circumradius2(tets_, facet) / spacing2))) : 1.0);
-        const double factor = cocone_.facets[facet] != 0 ? (getenv("AG")?atof(getenv("AG")):kAgreedFactor) : 1.0;
-        const double cost = kUnitCost * factor * area / spacing2;
+        const double reach = std::sqrt(circumradius2(tets_, facet) / spacing2);
+        const double area = length(tets_.area_vector(facet)) / spacing2;
+        const double factor = cocone_.facets[facet] != 0 ? kAgreedFactor : 1.0;
+        const double cost = kUnitCost * factor * area * std::clamp(reach, kMinReach, kMaxReach);
         return 1 + static_cast<std::int64_t>(std::min(cost, double{kMaxCost}));
     }
 

@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kVertexGrain = 2048;
 constexpr std::uint64_t kEdgesPerPoll = 1024;
 // Sweeps end at this many times the wanted number of triangles: below, the order matters.
-constexpr double kSweepEnd = 8.0;
+constexpr double kSweepEnd = 3.0;
 // A sweep takes the cheapest of the vertices' best edges, this share of them.
-constexpr double kSweepShare = 0.35;
+constexpr double kSweepShare = 0.4;
 // Sweeps end when this share of their collapses is refused by the bound, or when they collapse less
 // than this share of the vertices.
 constexpr double kMaxRefusedShare = 0.1;
@@ -74,9 +74,9 @@ class Collapser {
     void report() const {
         const double goal = std::max<double>(1.0, num_before_ - limits_.num_triangles);
         const double done = (num_before_ - surface_.num_triangles) / goal;
-        report_progress(context_, "simplify",
-                        limits_.progress_begin +
-                            (limits_.progress_end - limits_.progress_begin) * done);
+        report_progress(
+            context_, "simplify",
+            limits_.progress_begin + (limits_.progress_end - limits_.progress_begin) * done);
     }
 
     Candidate best_edge(Index v) const;

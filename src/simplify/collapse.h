@@ -9,8 +9,8 @@
 namespace pointbake {
 
 struct CollapseLimits {
-    Index num_triangles = 0;         ///< stop when no more are left
-    double squared_distance = HUGE_VAL;  ///< of any attributed point to its triangle
+    Index num_triangles = 0;                          ///< stop when no more are left
+    double squared_distance = HUGE_VAL;               ///< of any attributed point to its triangle
     double progress_begin = 0.0, progress_end = 1.0;  ///< share of the stage's progress
 };
 

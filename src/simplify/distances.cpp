@@ -50,7 +50,8 @@ void sample_triangle(const std::array<Vec3d, 3>& x, double area, double spacing,
                      const TriangleBvh& surface, Sums& sums) {
     double longest = 0.0;
     for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, length(x[(k + 1) % 3] - x[k]));
-    const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing), 1.0, double{kMaxSplits}));
+    const int n =
+        static_cast<int>(std::clamp(std::ceil(longest / spacing), 1.0, double{kMaxSplits}));
     const double step = 1.0 / n, slack = kSlack * longest * step;
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
@@ -74,8 +75,8 @@ DistanceStats mesh_to_surface(const Mesh& mesh, const Mesh& surface, const Conte
     const TriangleBvh bvh(surface.positions, surface.triangles);
     double area = 0.0;
     for (const Triangle& t : mesh.triangles) area += area_of(mesh, t);
-    const double num_samples = std::min(
-        kMaxSamples, kSamplesPerTriangle * static_cast<double>(surface.triangles.size()));
+    const double num_samples =
+        std::min(kMaxSamples, kSamplesPerTriangle * static_cast<double>(surface.triangles.size()));
     const double spacing = std::max(std::sqrt(2.0 * area / num_samples), 1e-300);
     return parallel_reduce(
                context, mesh.triangles.size(), kGrain / 16, Sums{},
@@ -83,9 +84,9 @@ DistanceStats mesh_to_surface(const Mesh& mesh, const Mesh& surface, const Conte
                    Sums sums;
                    for (std::size_t i = begin; i < end; ++i) {
                        const Triangle& t = mesh.triangles[i];
-                       sample_triangle({mesh.positions[t[0]], mesh.positions[t[1]],
-                                        mesh.positions[t[2]]},
-                                       area_of(mesh, t), spacing, bvh, sums);
+                       sample_triangle(
+                           {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]},
+                           area_of(mesh, t), spacing, bvh, sums);
                    }
                    return sums;
                },

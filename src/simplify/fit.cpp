@@ -125,28 +125,30 @@ class Fitter {
 // Unless thorough, a point above its triangle stays there: another one can be nearer only across a
 // fold.
 void Fitter::walk(bool is_thorough) {
-    parallel_for(context_, mesh_.owners.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) {
-            Index& owner = mesh_.owners[p];
-            if (owner == kInvalidIndex) continue;
-            const Vec3d x = points_.points[p], n = vec_cast<double>(points_.normals[p]);
-            double best = frames_[owner].squared_distance(x, HUGE_VAL);
-            if (!is_thorough && best == frames_[owner].squared_height(x)) continue;
-            const bool is_askew = dot(n, frames_[owner].normal) <= 0.0;
-            for (int i = 0; i < kMaxWalk; ++i) {
-                const Index from = owner;
-                for (Index v : mesh_.triangles[from]) {
-                    for (Index t : rings_.of(v)) {
-                        const double d = frames_[t].squared_distance(x, best);
-                        // The far side of a thin sheet may be nearer, but it is not the point's.
-                        if (d < best && (is_askew || dot(n, frames_[t].normal) > 0.0))
-                            best = d, owner = t;
+    parallel_for(
+        context_, mesh_.owners.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t p = begin; p < end; ++p) {
+                Index& owner = mesh_.owners[p];
+                if (owner == kInvalidIndex) continue;
+                const Vec3d x = points_.points[p], n = vec_cast<double>(points_.normals[p]);
+                double best = frames_[owner].squared_distance(x, HUGE_VAL);
+                if (!is_thorough && best == frames_[owner].squared_height(x)) continue;
+                const bool is_askew = dot(n, frames_[owner].normal) <= 0.0;
+                for (int i = 0; i < kMaxWalk; ++i) {
+                    const Index from = owner;
+                    for (Index v : mesh_.triangles[from]) {
+                        for (Index t : rings_.of(v)) {
+                            const double d = frames_[t].squared_distance(x, best);
+                            // The far side of a thin sheet may be nearer, but it is not the
+                            // point's.
+                            if (d < best && (is_askew || dot(n, frames_[t].normal) > 0.0))
+                                best = d, owner = t;
+                        }
                     }
+                    if (owner == from) break;
                 }
-                if (owner == from) break;
             }
-        }
-    });
+        });
 }
 
 // The Gauss-Newton step of one vertex: each point of its ring asks for its residual, scaled by the
@@ -265,11 +267,10 @@ std::vector<std::vector<Index>> Fitter::color_vertices() const {
 
 void Fitter::improve_vertices() {
     for (const std::vector<Index>& group : color_vertices()) {
-        parallel_for(context_, group.size(), kVertexGrain,
-                     [&](std::size_t begin, std::size_t end) {
-                         std::vector<FaceFrame> ring;
-                         for (std::size_t i = begin; i < end; ++i) improve_vertex(group[i], ring);
-                     });
+        parallel_for(context_, group.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
+            std::vector<FaceFrame> ring;
+            for (std::size_t i = begin; i < end; ++i) improve_vertex(group[i], ring);
+        });
     }
 }
 
@@ -302,7 +303,8 @@ double Fitter::flip_gain(Index t, Index k, const std::vector<std::array<Index, 3
     const double old_fold = dot(g1.normal, g2.normal), new_fold = dot(f1.normal, f2.normal);
     if (new_fold < kMinFlipCosine && new_fold < old_fold) return 0.0;
     for (const FaceFrame* f : {&f1, &f2}) {
-        if (dot(f->normal, g1.normal) < kMinFlipCosine && dot(f->normal, g2.normal) < kMinFlipCosine)
+        if (dot(f->normal, g1.normal) < kMinFlipCosine &&
+            dot(f->normal, g2.normal) < kMinFlipCosine)
             return 0.0;
     }
     const double new_quality = std::min(f1.quality(), f2.quality());
@@ -312,8 +314,10 @@ double Fitter::flip_gain(Index t, Index k, const std::vector<std::array<Index, 3
         for (Index p : by_triangle_.of(f)) {
             const Vec3d x = points_.points[p];
             const double w = points_.weights[p];
-            const double old1 = g1.squared_distance(x, HUGE_VAL), old2 = g2.squared_distance(x, old1);
-            const double new1 = f1.squared_distance(x, HUGE_VAL), new2 = f2.squared_distance(x, new1);
+            const double old1 = g1.squared_distance(x, HUGE_VAL),
+                         old2 = g2.squared_distance(x, old1);
+            const double new1 = f1.squared_distance(x, HUGE_VAL),
+                         new2 = f2.squared_distance(x, new1);
             const double new_best = std::min(new1, new2);
             if (new_best > limit_) return 0.0;
             before += w * std::min(old1, old2);

@@ -99,8 +99,8 @@ bool CollapseJudge::replace_corner(Index corner, Vec3d target) {
     if (frame.is_flat()) return false;
     worst_after_ = std::min(worst_after_, triangle_quality(x[0], x[1], x[2]));
     // A triangle without area may turn to anywhere.
-    const bool is_turned = squared_length(before) > 0.0 &&
-                           dot(before, frame.normal) < kMinFlipCosine * length(before);
+    const bool is_turned =
+        squared_length(before) > 0.0 && dot(before, frame.normal) < kMinFlipCosine * length(before);
     kept_faces_.push_back(corner / 3);
     new_faces_.push_back(frame);
     return !is_turned || strictness == Strictness::kTopologyOnly;
@@ -147,8 +147,7 @@ Verdict CollapseJudge::reattribute(Index old_face) {
         std::uint32_t face = guess;
         // Mostly a point stays above the triangle that it was above. Another one may be nearer
         // where the surface folds; that would only lower its distance.
-        const bool stays =
-            is_kept && best <= limit_ && best == new_faces_[guess].squared_height(x);
+        const bool stays = is_kept && best <= limit_ && best == new_faces_[guess].squared_height(x);
         for (std::uint32_t f = 0; f < new_faces_.size() && !stays; ++f) {
             const double d = new_faces_[f].squared_distance(x, best);
             if (d < best) best = d, face = f;

@@ -1,6 +1,6 @@
 // Quadrics of planes [Garland97], weighted by area so that the tessellation does not matter: the
-// cost is the squared distance integrated over the surface that a vertex stands for. Departs from it
-// by a regularised placement.
+// cost is the squared distance integrated over the surface that a vertex stands for. Departs from
+// it by a regularised placement.
 #include "simplify/ordering.h"
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace {
 // Weight of the plane that stands on a boundary edge, times the edge's squared length. Areas of
 // triangles are about 0.4 of that, so a boundary is ten times as stiff as a surface.
 constexpr double kBoundaryWeight = 4.0;
-// Pull towards the edge's midpoint, as a share of the quadric's mean eigenvalue: below this ratio of
-// curvatures a direction counts as flat.
+// Pull towards the edge's midpoint, as a share of the quadric's mean eigenvalue: below this ratio
+// of curvatures a direction counts as flat.
 constexpr double kPlacementPull = 1e-4;
 // Each step cuts the pull's bias in a stiff direction by its ratio: three leave 1e-12 of it.
 constexpr int kPlacementSteps = 3;
@@ -37,8 +37,7 @@ CollapseOrder::CollapseOrder(const Surface& surface, const Context& context)
                 const auto [p, q, r] = surface_.corners_of(c / 3);
                 const Vec3d n = cross(q - p, r - p);
                 const double twice_area = length(n);
-                if (twice_area > 0.0)
-                    quadrics_[i].add_plane(n / twice_area, p, 0.5 * twice_area);
+                if (twice_area > 0.0) quadrics_[i].add_plane(n / twice_area, p, 0.5 * twice_area);
             });
             if (surface_.kinds[i] == VertexKind::kInterior) continue;
             collect_edges(surface_, v, edges);
@@ -50,9 +49,8 @@ CollapseOrder::CollapseOrder(const Surface& surface, const Context& context)
 // For each triangle on a special edge at v: the plane through the edge, perpendicular to it.
 void CollapseOrder::add_boundary_planes(Index v, const std::vector<EdgeUse>& edges) {
     const auto is_special = [&](Index w) {
-        return std::any_of(edges.begin(), edges.end(), [&](const EdgeUse& e) {
-            return e.neighbor == w && e.is_special();
-        });
+        return std::any_of(edges.begin(), edges.end(),
+                           [&](const EdgeUse& e) { return e.neighbor == w && e.is_special(); });
     };
     surface_.for_each_corner(v, [&](Index c) {
         const auto [p, q, r] = surface_.corners_of(c / 3);

@@ -99,8 +99,7 @@ double find_bound(const SimplifyOptions& options, const std::vector<Vec3d>& poin
     const Length length = options.geometry_error.value_or(kDefaultBound);
     double bound = length.in_units(diagonal_of_kept(points, distances, HUGE_VAL));
     for (;;) {
-        const double next =
-            length.in_units(diagonal_of_kept(points, distances, bound / unit));
+        const double next = length.in_units(diagonal_of_kept(points, distances, bound / unit));
         if (!(next < bound)) return bound;
         bound = next;
     }
@@ -153,14 +152,15 @@ void measure_points(const PointCloud& cloud, const Attribution& attribution,
             if (owner == kInvalidIndex) continue;
             const Triangle& v = mesh.triangles[owner];
             const Vec3d x = cloud.positions[p];
-            const double own = std::sqrt(
-                closest_point_on_triangle(x, mesh.positions[v[0]], mesh.positions[v[1]],
-                                          mesh.positions[v[2]])
-                    .squared_distance);
+            const double own =
+                std::sqrt(closest_point_on_triangle(x, mesh.positions[v[0]], mesh.positions[v[1]],
+                                                    mesh.positions[v[2]])
+                              .squared_distance);
             const auto near = bvh.closest(x, own);
             distances[p] = near ? std::sqrt(near->squared_distance) : own;
             const Vec3d n = vec_cast<double>(attribution.normals[p]);
-            const bool is_better = near && distances[p] < own && dot(n, normal_of(near->triangle)) >= 0.0;
+            const bool is_better =
+                near && distances[p] < own && dot(n, normal_of(near->triangle)) >= 0.0;
             if (is_better) owner = near->triangle;
             result.point_distances[p] = static_cast<float>(is_better ? distances[p] : own);
         }
@@ -232,8 +232,8 @@ SimplifyResult simplify(const DenseMesh& dense, const PointCloud& cloud,
 
     const Frame frame(dense.mesh);
     Surface surface(frame.inwards(dense.mesh.positions), dense.mesh.triangles, context);
-    Attribution attribution = attribute_points(surface, frame.inwards(cloud.positions),
-                                               dense.vertex_points, context);
+    Attribution attribution =
+        attribute_points(surface, frame.inwards(cloud.positions), dense.vertex_points, context);
     report.bound = find_bound(options, cloud.positions, attribution.distances, frame.unit);
     attribution.link(surface.triangles.size(), report.bound / frame.unit);
 
@@ -242,8 +242,8 @@ SimplifyResult simplify(const DenseMesh& dense, const PointCloud& cloud,
         keep(dense, attribution, result, owners);
     } else {
         const double diagonal =
-            frame.unit * diagonal_of_kept(attribution.points, attribution.distances,
-                                          report.bound / frame.unit);
+            frame.unit *
+            diagonal_of_kept(attribution.points, attribution.distances, report.bound / frame.unit);
         const double margin = std::min(kFloatMargin * diagonal, 0.01 * report.bound);
         FitMesh light = make_light(surface, attribution, options,
                                    (report.bound - margin) / frame.unit, report, context);

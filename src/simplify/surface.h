@@ -43,7 +43,8 @@ struct Surface {
     Index after(Index corner) const { return triangles[corner / 3][next_of(corner)]; }
     Index before(Index corner) const { return triangles[corner / 3][previous_of(corner)]; }
 
-    /// Vertex b becomes a, which moves to `target`; triangles on both vanish (the caller counts them).
+    /// Vertex b becomes a, which moves to `target`; triangles on both vanish (the caller counts
+    /// them).
     void collapse(Index a, Index b, Vec3d target);
     void remove(Index triangle);
 

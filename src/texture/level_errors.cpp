@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t kGrain = 32;  // triangles per chunk
 constexpr int kMaxLevels = 40;
+constexpr double kFlat =
+    1.0;  // one texel is for flat colour: on gradients the triangles would show
 constexpr float kNothingToGain = 0.35F;   // 8-bit rounding alone is 0.29
 constexpr double kTexelsPerPoint = 8.0;   // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
 constexpr std::size_t kFewPoints = 8;     // below, corners and middle are measured, too
@@ -158,7 +160,8 @@ double level_density(const TriangleFrame& frame, int level) {
 std::uint8_t LevelErrors::first_within(std::size_t t, double bound) const {
     std::uint8_t best = 0;
     for (std::uint8_t l = 0; l < patches[t].count; ++l) {
-        if (static_cast<double>(error(t, l)) <= bound && bound < HUGE_VAL) return l;
+        const auto e = static_cast<double>(error(t, l));
+        if (e <= bound && bound < HUGE_VAL && (l > 0 || e <= kFlat)) return l;
         if (error(t, l) < error(t, best)) best = l;
     }
     return best;

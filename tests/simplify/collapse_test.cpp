@@ -116,8 +116,8 @@ TEST(Surface, SpineOfABookIsACurve) {
         const Index n = static_cast<Index>(mesh.positions.size());
         for (int z = 0; z < 3; ++z)
             mesh.positions.push_back({std::cos(2.0 * s), std::sin(2.0 * s), double(z)});
-        mesh.triangles.insert(mesh.triangles.end(), {{0, n, 1}, {n, n + 1, 1}, {1, n + 1, 2},
-                                                     {n + 1, n + 2, 2}});
+        mesh.triangles.insert(mesh.triangles.end(),
+                              {{0, n, 1}, {n, n + 1, 1}, {1, n + 1, 2}, {n + 1, n + 2, 2}});
     }
     const Surface surface(mesh.positions, mesh.triangles, {});
     EXPECT_EQ(surface.kinds[1], VertexKind::kCurve);
@@ -132,8 +132,7 @@ Verdict judged(const Mesh& mesh, Index a, Index b) {
         attribute_points(surface, mesh.positions, input.dense.vertex_points, {});
     attribution.link(surface.triangles.size(), HUGE_VAL);
     std::vector<std::uint8_t> marks(mesh.positions.size(), 0);
-    return CollapseJudge(surface, attribution, marks, HUGE_VAL)
-        .judge(a, b, mesh.positions[a]);
+    return CollapseJudge(surface, attribution, marks, HUGE_VAL).judge(a, b, mesh.positions[a]);
 }
 
 TEST(CollapseJudge, RefusesToCloseTetrahedraHolesAndTubes) {

@@ -35,8 +35,8 @@ Mesh book(int num_sheets, Index n) {
         const Index base = static_cast<Index>(mesh.positions.size());
         for (Index v = 0; v <= n; ++v) {
             for (Index u = 1; u <= n; ++u)
-                mesh.positions.push_back({std::cos(angle) * u / n, std::sin(angle) * u / n,
-                                          2.0 * v / n - 1.0});
+                mesh.positions.push_back(
+                    {std::cos(angle) * u / n, std::sin(angle) * u / n, 2.0 * v / n - 1.0});
         }
         const auto at = [&](Index u, Index v) { return u == 0 ? v : base + v * n + u - 1; };
         for (Index v = 0; v < n; ++v) {
@@ -172,10 +172,10 @@ TEST(SimplifyInput, TheDiagonalIsThatOfTheKeptPoints) {
 TEST(SimplifyInput, CopiesOfAVertexShareTheirPoint) {
     // Two pyramids that touch at the apex, split there.
     Mesh mesh;
-    mesh.positions = {{0, 0, 0},  {1, 1, 1},  {-1, 1, 1},  {-1, -1, 1},  {1, -1, 1},
-                      {0, 0, 0},  {1, 1, -1}, {-1, 1, -1}, {-1, -1, -1}, {1, -1, -1}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {5, 7, 6},
-                      {5, 8, 7}, {5, 9, 8}, {5, 6, 9}};
+    mesh.positions = {{0, 0, 0}, {1, 1, 1},  {-1, 1, 1},  {-1, -1, 1},  {1, -1, 1},
+                      {0, 0, 0}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, -1}, {1, -1, -1}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1},
+                      {5, 7, 6}, {5, 8, 7}, {5, 9, 8}, {5, 6, 9}};
     Input input;
     input.cloud.positions = mesh.positions;
     input.cloud.positions.erase(input.cloud.positions.begin() + 5);

@@ -117,8 +117,7 @@ TEST(Simplify, BorderLoopsStayAndStayInPlace) {
     // A half torus: a bent tube, open at both ends, with a hole in its side.
     Mesh tube = shapes::torus_mesh(32, 64);
     std::erase_if(tube.triangles, [&](const Triangle& t) {
-        const Vec3d c =
-            (tube.positions[t[0]] + tube.positions[t[1]] + tube.positions[t[2]]) / 3.0;
+        const Vec3d c = (tube.positions[t[0]] + tube.positions[t[1]] + tube.positions[t[2]]) / 3.0;
         return c.z < 0.0 || length(c - Vec3d{0.0, 0.4, 1.0}) < 0.2;
     });
     tube = dense_shapes::without_unused(tube);
@@ -254,7 +253,8 @@ TEST(Simplify, LargeCoordinatesLoseNothing) {
     for (Vec3d& p : input.cloud.positions) p += far;
     for (Vec3d& p : input.dense.mesh.positions) p += far;
     const SimplifyResult r = input.simplified(bound_of(0.002));
-    EXPECT_NEAR(static_cast<double>(r.mesh.triangles.size()), static_cast<double>(n), 0.03 * double(n));
+    EXPECT_NEAR(static_cast<double>(r.mesh.triangles.size()), static_cast<double>(n),
+                0.03 * double(n));
     EXPECT_TRUE(r.report.bound_met);
     for (Vec3d p : input.cloud.positions) EXPECT_LE(brute_distance(r.mesh, p), r.report.bound);
 }
