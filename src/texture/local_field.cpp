@@ -128,7 +128,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;
         out.vxy = c * s * (f.vxx - f.vyy) + (c * c - s * s) * f.vxy;
         out.item = first + static_cast<Index>(i);
-        if (from.root != kHome && !is_outside(from.root, out.center)) continue;
+        if (from.root != kHome && is_over_home(out.center)) continue;
         const float rx = scene_.kernel.cut * std::sqrt(out.vxx),
                     ry = scene_.kernel.cut * std::sqrt(out.vyy);
         if (out.center.x + rx < -grow || out.center.x - rx > width) continue;

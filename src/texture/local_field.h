@@ -3,6 +3,7 @@
 // cure for seams.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -83,10 +84,11 @@ class LocalField {
     void unfold(Index triangle, double border);
     std::optional<Unfolded> unfold_across(const Unfolded& at, std::size_t k, Index next) const;
     bool is_near_root(const Unfolded& u, double reach) const;
-    bool is_outside(std::size_t root, Vec2f x) const {
-        const Vec2d d =
-            Vec2d{static_cast<double>(x.x), static_cast<double>(x.y)} - roots_[root].start;
-        return dot(d, roots_[root].outward) > 0.0;
+    bool is_over_home(Vec2f x) const {
+        const Vec2d p{static_cast<double>(x.x), static_cast<double>(x.y)};
+        return std::all_of(roots_.begin(), roots_.end(), [p](const RootEdge& edge) {
+            return dot(p - edge.start, edge.outward) <= 0.0;
+        });
     }
     void add_splats(const Unfolded& from, double border);
     void build_bins();

@@ -221,7 +221,7 @@ TEST(Simplify, PointsOfAThinSheetStayOnTheirSide) {
 }
 
 TEST(Simplify, NumbersOfThreadsGiveTheSameBytes) {
-    const Input input = over(bumpy_sphere(40, 13));
+    const Input input = over(bumpy_sphere(28, 13));
     for (const SimplifyOptions& options :
          {SimplifyOptions{.triangles = 700}, SimplifyOptions{bound_of(0.001)}}) {
         const SimplifyResult one = input.simplified(options, {.threads = 1});
