@@ -301,6 +301,7 @@ class Labeller {
             if (tets_.is_far(v)) return kMaxCost;
             spacing2 = std::max(spacing2, double{cocone_.spacing[v]} * cocone_.spacing[v]);
         }
+        if (spacing2 <= 0) return kMaxCost;  // below what a float holds
         const double reach = std::sqrt(circumradius2(tets_, facet) / spacing2);
         const double area = length(tets_.area_vector(facet)) / spacing2;
         const double factor = cocone_.facets[facet] != 0 ? kAgreedFactor : 1.0;

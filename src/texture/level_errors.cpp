@@ -18,7 +18,7 @@ constexpr double kFlat =
     1.0;  // one texel is for flat colour: on gradients the triangles would show
 constexpr float kNothingToGain = 0.35F;   // 8-bit rounding alone is 0.29
 constexpr double kTexelsPerPoint = 8.0;   // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
-constexpr std::size_t kFewPoints = 8;     // below, corners and middle are measured, too
+constexpr int kMaxEdgeProbes = 64;        // per edge
 constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle, in splat radii
 
 struct Probe {
@@ -70,17 +70,19 @@ std::vector<Probe> make_probes(const LocalField& field, const SplatScene& scene,
     for (const Footprint& f : own) {
         if (!f.hidden) add_probe(probes, field, kind, values, f.center, cloud.areas[f.point]);
     }
-    if (probes.size() < kFewPoints) {
-        const TriangleFrame& frame = scene.shell.frame(triangle);
-        const auto weight = static_cast<float>(frame.area() / 4.0);
-        Vec2d middle{};
-        for (const Vec2d& c : frame.corners) {
-            middle = middle + c / 3.0;
+    // The points say nothing of the border, where the neighbour's patch takes over: look there,
+    // too.
+    const TriangleFrame& frame = scene.shell.frame(triangle);
+    const double spacing = mean_spacing(scene, cloud, triangle);
+    const auto weight = static_cast<float>(std::min(0.5 * spacing * spacing, frame.area() / 4.0));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2d from = frame.corners[k], along = frame.corners[(k + 1) % 3] - from;
+        const int count = std::clamp(static_cast<int>(length(along) / spacing), 1, kMaxEdgeProbes);
+        for (int i = 0; i < count; ++i) {
+            const Vec2d x = from + along * (static_cast<double>(i) / count);
             add_probe(probes, field, kind, values,
-                      {static_cast<float>(c.x), static_cast<float>(c.y)}, weight);
+                      {static_cast<float>(x.x), static_cast<float>(x.y)}, weight);
         }
-        add_probe(probes, field, kind, values,
-                  {static_cast<float>(middle.x), static_cast<float>(middle.y)}, weight);
     }
     return probes;
 }
