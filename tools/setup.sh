@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 mkdir -p build
 
 packages="g++ cmake ninja-build ccache pkg-config libcgal-dev libtbb-dev libeigen3-dev libnanoflann-dev
-          libdeflate-dev libspng-dev libturbojpeg0-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
+          libdeflate-dev libspng-dev libturbojpeg0-dev libjpeg62-turbo-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
 [ "${1:-build}" = test ] && packages="$packages libgtest-dev libgmock-dev python3"
 
 missing=""
