@@ -25,6 +25,17 @@ std::int64_t num_texels(std::span<const PageSize> pages) {
     return sum;
 }
 
+// No patch may be larger than the pages that the budget buys.
+int smallest_page_side(const ConvertOptions& options) {
+    int side = options.atlas.page_size;
+    if (options.texture.texels == 0) return side;
+    for (const PageSize& page :
+         budget_pages(static_cast<std::int64_t>(options.texture.texels), options.atlas)) {
+        side = std::min({side, page.width, page.height});
+    }
+    return side;
+}
+
 // The largest plan that fits the pages which the budget buys.
 Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions& options,
                   const Context& context) {
@@ -82,7 +93,7 @@ BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<con
         options.atlas.packer = Packer::kAppendixA;
     }
     TextureOptions texture = options.texture;
-    texture.max_patch = std::min(texture.max_patch, options.atlas.page_size);
+    texture.max_patch = std::min(texture.max_patch, smallest_page_side(options));
     const double bound =
         texture.texture_error.value_or(texture.texels > 0 ? HUGE_VAL : kDefaultTextureError);
 
