@@ -117,18 +117,18 @@ TEST_F(Conversion, ReportAgreesWithTheFiles) {
 TEST_F(Conversion, QuietSaysNothing) { EXPECT_EQ(run_well({"in.ply", "out.glb", "-q"}).err, ""); }
 
 TEST_F(Conversion, WorkDirectoryHoldsEveryStage) {
-    run_well({"in.ply", "out.glb", "--work-dir", "a/work"});
+    run_well({"in.ply", "out.glb", "--work-dir", "a/steps"});
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "a/work")) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "a/steps")) {
         names.push_back(entry.path().filename().string());
         EXPECT_GT(entry.file_size(), 0U) << names.back();
     }
     EXPECT_THAT(names, testing::UnorderedElementsAre(
                            "options.json", "1-attributes.ply", "2-reconstruct.ply",
                            "3-simplify.ply", "4-texture.glb", "4-texture-0.png", "report.json"));
-    EXPECT_EQ(folder_.read("a/work/4-texture.glb"), folder_.read("out.glb"));
-    EXPECT_TRUE(Json::parse(folder_.read("a/work/options.json")).is_object());
-    EXPECT_TRUE(Json::parse(folder_.read("a/work/report.json")).is_object());
+    EXPECT_EQ(folder_.read("a/steps/4-texture.glb"), folder_.read("out.glb"));
+    EXPECT_TRUE(Json::parse(folder_.read("a/steps/options.json")).is_object());
+    EXPECT_TRUE(Json::parse(folder_.read("a/steps/report.json")).is_object());
 }
 
 TEST_F(Conversion, StopsAfterTheStageThatIsAskedFor) {
