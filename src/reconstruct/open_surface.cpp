@@ -16,9 +16,14 @@ namespace {
 // Largest circumradius of a facet in spacings: wider ones span holes. Facets without a flat point
 // have less to show for themselves.
 constexpr double kReach = 3.0, kAgreedReach = 1.5;
-// Pieces with fewer facets are leftovers of pruning; but not those of a few facets most of whose
-// points lie on no larger piece.
+// Pieces with fewer facets are leftovers of pruning unless most of their points lie on no larger
+// piece.
 constexpr std::size_t kLargePiece = 12, kMinPiece = 4;
+// Pieces with at most so many facets are flakes if most of their points have a Delaunay neighbour
+// on a larger piece within so many spacings: what is left where two sheets are closer than the
+// points of either.
+constexpr std::size_t kLargestFlake = 128;
+constexpr double kFlakeReach = 1.5;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -27,7 +32,10 @@ enum State : std::uint8_t { kNone = 0, kCandidate = 1, kKept = 2 };
 class Walker {
  public:
     Walker(const Tetrahedra& tets, const Cocone& cocone, const Context& context)
-        : tets_(tets), context_(context), state_(tets.cells.size() * 4, kNone) {
+        : tets_(tets),
+          spacing_(cocone.spacing),
+          context_(context),
+          state_(tets.cells.size() * 4, kNone) {
         parallel_for(context, state_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
             for (HalfFacet f = static_cast<HalfFacet>(begin); f < end; ++f)
                 state_[f] = is_candidate(cocone, f) ? kCandidate : kNone;
@@ -206,25 +214,55 @@ class Walker {
         return pieces;
     }
 
+    // Which pieces stay, from the largest down.
     std::vector<std::uint8_t> choose_pieces(const Pieces& pieces) const {
+        std::vector<std::uint32_t> by_size(pieces.size());
+        std::iota(by_size.begin(), by_size.end(), 0U);
+        std::stable_sort(by_size.begin(), by_size.end(), [&](std::uint32_t p, std::uint32_t q) {
+            return pieces.of(p).size() > pieces.of(q).size();
+        });
         std::vector<std::uint8_t> is_kept(pieces.size(), 0), is_used(tets_.num_real(), 0);
-        std::size_t largest = 0;
-        for (std::size_t p = 0; p < pieces.size(); ++p)
-            largest = std::max(largest, pieces.of(p).size());
-        for (std::size_t p = 0; p < pieces.size(); ++p) {
-            if (pieces.of(p).size() < std::min(kLargePiece, largest)) continue;
-            is_kept[p] = 1;
-            for (Index t : pieces.of(p))
-                for (Index v : tets_.triangle(surface_.facets[t])) is_used[v] = 1;
-        }
-        for (std::size_t p = 0; p < pieces.size(); ++p) {
-            if (is_kept[p] != 0 || pieces.of(p).size() < kMinPiece) continue;
-            std::size_t num_used = 0;
-            for (Index t : pieces.of(p))
-                for (Index v : tets_.triangle(surface_.facets[t])) num_used += is_used[v];
-            is_kept[p] = num_used * 2 < pieces.of(p).size() * 3 ? 1 : 0;
+        std::vector<Index> points;
+        for (std::size_t rank = 0; rank < by_size.size(); ++rank) {
+            const auto piece = pieces.of(by_size[rank]);
+            points.clear();
+            for (Index t : piece)
+                for (Index v : tets_.triangle(surface_.facets[t])) points.push_back(v);
+            std::sort(points.begin(), points.end());
+            points.erase(std::unique(points.begin(), points.end()), points.end());
+            if (rank > 0 && (is_leftover(piece, points, is_used) || is_flake(piece, points, is_used)))
+                continue;
+            is_kept[by_size[rank]] = 1;
+            for (Index v : points) is_used[v] = 1;
         }
         return is_kept;
+    }
+
+    static bool is_leftover(std::span<const Index> piece, const std::vector<Index>& points,
+                            const std::vector<std::uint8_t>& is_used) {
+        if (piece.size() >= kLargePiece) return false;
+        const auto num_used =
+            std::count_if(points.begin(), points.end(), [&](Index v) { return is_used[v] != 0; });
+        return piece.size() < kMinPiece || 2 * static_cast<std::size_t>(num_used) >= points.size();
+    }
+
+    bool is_flake(std::span<const Index> piece, const std::vector<Index>& points,
+                  const std::vector<std::uint8_t>& is_used) const {
+        if (piece.size() > kLargestFlake) return false;
+        const auto num_near = std::count_if(points.begin(), points.end(),
+                                            [&](Index v) { return is_near_used(v, is_used); });
+        return 2 * static_cast<std::size_t>(num_near) > points.size();
+    }
+
+    bool is_near_used(Index v, const std::vector<std::uint8_t>& is_used) const {
+        if (is_used[v] != 0) return true;
+        const double reach = kFlakeReach * spacing_[v];
+        for (Index c : tets_.star(v))
+            for (Index q : tets_.cells[c])
+                if (!tets_.is_far(q) && is_used[q] != 0 &&
+                    squared_length(tets_.points[q] - tets_.points[v]) <= reach * reach)
+                    return true;
+        return false;
     }
 
     // Drops the small pieces and turns the others so that their outer side sees more of the far
@@ -280,6 +318,7 @@ class Walker {
     }
 
     const Tetrahedra& tets_;
+    std::span<const float> spacing_;
     const Context& context_;
     std::vector<std::uint8_t> state_;
     std::vector<Index> number_;
