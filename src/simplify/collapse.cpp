@@ -4,6 +4,7 @@
 #include "simplify/collapse.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/message.h"
 #include "core/parallel.h"
@@ -27,16 +28,30 @@ constexpr double kMinSweepGain = 0.02;
 // Living vertices of a block; an edge is taken if its rings lie within one.
 constexpr std::size_t kBlockSize = 8192;
 
-// An edge as seen from its lower vertex.
+// What an edge is tried as, one after the other: a collapse by all rules, one that may make
+// needles, one that may turn triangles over, and the removal of the whole part, if it is tiny. Each
+// step makes the edge dearer, so that a rule gives way where keeping it would cost far more
+// elsewhere. Under a bound all rules hold.
+constexpr std::array kPenalties{1.0F, 16.0F, 256.0F, 16.0F};
+constexpr std::size_t kRemoval = kPenalties.size() - 1;
+// Parts of more triangles are never removed.
+constexpr std::size_t kLargestPart = 64;
+// Error of leaving a part out, per squared area: as if it lay a quarter of its size off the rest.
+constexpr double kRemovalError = 0.06;
+
+// An edge as seen from its lower vertex, and what it is to be tried as.
 struct Candidate {
     float cost = HUGE_VALF;
     Index other = kInvalidIndex;
+    std::size_t attempt = 0;
     friend bool operator<(const Candidate& x, const Candidate& y) {
         return x.cost != y.cost ? x.cost < y.cost : x.other < y.other;
     }
 };
 // Below every candidate.
 constexpr Candidate kNothingRefused{-1.0F, 0};
+using Refusals = std::array<Candidate, kPenalties.size()>;
+constexpr Refusals kNoRefusals{kNothingRefused, kNothingRefused, kNothingRefused, kNothingRefused};
 
 class Collapser {
  public:
@@ -50,21 +65,18 @@ class Collapser {
           marks_(surface.positions.size(), 0),
           judge_(surface, attribution, marks_, limits.squared_distance),
           best_(surface.positions.size()),
-          refused_(surface.positions.size(), kNothingRefused),
+          refused_(surface.positions.size(), kNoRefusals),
+          removal_costs_(surface.positions.size(), 0.0F),
           changed_(surface.positions.size(), 1),
           heap_(surface.positions.size()),
+          is_in_part_(surface.positions.size(), 0),
           num_before_(surface.num_triangles) {}
 
     CollapseCounts run() {
         sweep_while_many();
         std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
+        num_attempts_ = is_bounded() ? 1 : kPenalties.size();
         pass_until_stuck();
-        for (Strictness s : {Strictness::kShapeFree, Strictness::kTopologyOnly}) {
-            if (is_bounded() || is_done()) break;
-            judge_.strictness = s;
-            std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
-            pass_until_stuck();
-        }
         return counts_;
     }
 
@@ -79,6 +91,7 @@ class Collapser {
             limits_.progress_begin + (limits_.progress_end - limits_.progress_begin) * done);
     }
 
+    Candidate next_attempt(Index v, Index w) const;
     Candidate best_edge(Index v) const;
 
     void sweep_while_many();
@@ -91,6 +104,8 @@ class Collapser {
     void enqueue(Index v, Candidate best);
     void fill_queue();
     void drain_queue();
+    bool try_collapse(Index a);
+    bool try_removal(Index a);
     void update_queue(Index a, Index b);
 
     Surface& surface_;
@@ -101,10 +116,14 @@ class Collapser {
     std::vector<std::uint8_t> marks_;
     CollapseJudge judge_;
     std::vector<Candidate> best_;        // per vertex
-    std::vector<Candidate> refused_;     // per vertex: edges up to this one were refused
+    std::vector<Refusals> refused_;      // per vertex and attempt: edges up to this were refused
+    std::vector<float> removal_costs_;   // per vertex, if known to be above the edge's
+    std::size_t num_attempts_ = 1;
     std::vector<std::uint8_t> changed_;  // ring changed since best_ was found
     IndexedHeap heap_;
     std::vector<EdgeUse> edges_;
+    std::vector<Index> part_;
+    std::vector<std::uint8_t> is_in_part_;
     Index num_before_;
     CollapseCounts counts_;
 };
@@ -125,13 +144,23 @@ CollapseCounts sum(CollapseCounts a, const CollapseCounts& b) {
     return a;
 }
 
-// The cheapest edge that was not refused to a higher vertex: each edge waits at its lower one.
+// The edge with the penalty of the first attempt that was not refused to it.
+Candidate Collapser::next_attempt(Index v, Index w) const {
+    Candidate c{order_.cost(v, w), w};
+    while (c.attempt < num_attempts_ && !(refused_[v][c.attempt] < c)) ++c.attempt;
+    if (c.attempt == num_attempts_) return {};
+    c.cost *= kPenalties[c.attempt];
+    if (c.attempt == kRemoval) c.cost = std::max(c.cost, removal_costs_[v]);
+    return c;
+}
+
+// The cheapest edge to a higher vertex: each edge waits at its lower one.
 Candidate Collapser::best_edge(Index v) const {
     Candidate best;
     const auto offer = [&](Index w) {
         if (w < v || !order_.is_movable(v, w)) return;
-        const Candidate c{order_.cost(v, w), w};
-        if (refused_[v] < c && c < best) best = c;
+        const Candidate c = next_attempt(v, w);
+        if (c < best) best = c;
     };
     // Around an interior vertex every neighbour comes after it once.
     const bool is_interior = surface_.kinds[v] == VertexKind::kInterior;
@@ -222,18 +251,18 @@ void Collapser::sweep_block(Index begin, Index end, float threshold, CollapseCou
         const Verdict verdict = judge.judge(a, b, target);
         count(verdict, counts);
         if (verdict != Verdict::kLegal) {
-            refused_[v] = best;
+            refused_[v][0] = best;
             changed_[v] = 1;
             continue;
         }
         counts.num_triangles_removed += judge.apply(a, b, target);
         order_.merge(a, b);
-        refused_[a] = kNothingRefused;
+        refused_[a] = kNoRefusals;
         best_[b] = {};
         surface_.for_each_corner(a, [&](Index c) {
             for (Index w : surface_.triangles[c / 3]) {
                 changed_[w] = 1;
-                refused_[w] = kNothingRefused;
+                refused_[w] = kNoRefusals;
             }
         });
     }
@@ -272,7 +301,7 @@ void Collapser::fill_queue() {
                 }
             });
             if (!is_due[v]) continue;
-            refused_[v] = kNothingRefused;
+            refused_[v] = kNoRefusals;
             best_[v] = best_edge(v);
         }
     });
@@ -289,34 +318,84 @@ void Collapser::drain_queue() {
             check_cancelled(context_);
             report();
         }
-        const Index a = heap_.top().id, b = best_[a].other;
-        Vec3d target = order_.placement(a, b);
-        Verdict verdict = judge_.judge(a, b, target);
-        // Where the best place is refused, one of the vertices may stay where it is. It costs more
-        // than the queue knew: only for a bound, where the number of triangles is what counts.
-        for (Index v : {a, b}) {
-            if (verdict == Verdict::kLegal || verdict == Verdict::kTopology || !is_bounded() ||
-                surface_.kinds[a] != surface_.kinds[b])
-                break;
-            target = surface_.positions[v];
-            verdict = judge_.judge(a, b, target);
-        }
-        count(verdict, counts_);
-        if (verdict == Verdict::kLegal) {
-            surface_.num_triangles -= judge_.apply(a, b, target);
-            order_.merge(a, b);
-            update_queue(a, b);
-        } else {
-            refused_[a] = best_[a];
-            enqueue(a, best_edge(a));
-        }
+        const Index a = heap_.top().id;
+        const bool is_over = best_[a].attempt == kRemoval ? try_removal(a) : try_collapse(a);
+        if (!is_over) enqueue(a, best_edge(a));
     }
+}
+
+// False if the edge was refused.
+bool Collapser::try_collapse(Index a) {
+    constexpr std::array kStrictness{Strictness::kFull, Strictness::kShapeFree,
+                                     Strictness::kTopologyOnly};
+    const auto [cost, b, attempt] = best_[a];
+    judge_.strictness = kStrictness[attempt];
+    Vec3d target = order_.placement(a, b);
+    Verdict verdict = judge_.judge(a, b, target);
+    // Where the best place is refused, one of the vertices may stay where it is. It costs more
+    // than the queue knew: only for a bound, where the number of triangles is what counts.
+    for (Index v : {a, b}) {
+        if (verdict == Verdict::kLegal || verdict == Verdict::kTopology || !is_bounded() ||
+            surface_.kinds[a] != surface_.kinds[b])
+            break;
+        target = surface_.positions[v];
+        verdict = judge_.judge(a, b, target);
+    }
+    count(verdict, counts_);
+    if (verdict != Verdict::kLegal) {
+        refused_[a][attempt] = {order_.cost(a, b), b};
+        return false;
+    }
+    surface_.num_triangles -= judge_.apply(a, b, target);
+    order_.merge(a, b);
+    update_queue(a, b);
+    return true;
+}
+
+// Removes the part that hangs together with vertex a if it is tiny and its turn has come.
+bool Collapser::try_removal(Index a) {
+    part_.assign(1, a);
+    is_in_part_[a] = 1;
+    double area = 0.0;
+    std::size_t num_corners = 0;
+    for (std::size_t head = 0; head < part_.size() && num_corners <= 3 * kLargestPart; ++head) {
+        surface_.for_each_corner(part_[head], [&](Index c) {
+            ++num_corners;
+            area += triangle_area(surface_, c / 3) / 3.0;
+            for (Index w : surface_.triangles[c / 3]) {
+                if (is_in_part_[w] != 0) continue;
+                is_in_part_[w] = 1;
+                part_.push_back(w);
+            }
+        });
+    }
+    for (Index v : part_) is_in_part_[v] = 0;
+    const Candidate tried = best_[a];
+    const auto cost = static_cast<float>(kRemovalError * area * area);
+    if (num_corners > 3 * kLargestPart || surface_.num_triangles * 3 <= num_corners) {
+        refused_[a][kRemoval] = {order_.cost(a, tried.other), tried.other};
+        return false;
+    }
+    if (cost > tried.cost) {
+        removal_costs_[a] = cost;
+        return false;
+    }
+    for (Index v : part_) {
+        while (surface_.first_corners[v] != kInvalidIndex) {
+            const Index t = surface_.first_corners[v] / 3;
+            attribution_.first_points[t] = kInvalidIndex;
+            surface_.remove(t);
+        }
+        enqueue(v, {});
+    }
+    ++counts_.num_parts_removed;
+    return true;
 }
 
 // Vertex b became a: edges at a have new costs, edges at b are gone.
 void Collapser::update_queue(Index a, Index b) {
     enqueue(b, {});
-    refused_[a] = kNothingRefused;
+    refused_[a] = kNoRefusals;
     changed_[a] = 1;
     collect_edges(surface_, a, edges_);
     for (const EdgeUse& e : edges_) {
@@ -327,7 +406,7 @@ void Collapser::update_queue(Index a, Index b) {
         } else if (n < a) {
             const Candidate c{order_.cost(n, a), a};
             // Refused edges above the new one get a second chance with it.
-            if (!(refused_[n] < c)) refused_[n] = kNothingRefused;
+            if (!(refused_[n][0] < c)) refused_[n] = kNoRefusals;
             if (c < best_[n]) enqueue(n, c);
         }
     }

@@ -16,7 +16,7 @@ struct CollapseLimits {
 
 struct CollapseCounts {
     std::uint64_t num_collapses = 0, num_rejected_by_bound = 0, num_rejected_by_topology = 0,
-                  num_rejected_by_shape = 0, num_triangles_removed = 0;
+                  num_rejected_by_shape = 0, num_triangles_removed = 0, num_parts_removed = 0;
 };
 
 /// Collapses edges until a limit is reached or nothing legal is left. Without a bound on the

@@ -6,11 +6,6 @@
 namespace pointbake {
 namespace {
 
-double area_of(const Surface& surface, Index t) {
-    const auto [a, b, c] = surface.corners_of(t);
-    return 0.5 * length(cross(b - a, c - a));
-}
-
 struct Part {
     double area = 0.0;
     Index num_triangles = 0;
@@ -46,7 +41,7 @@ std::size_t drop_smallest_parts(Surface& surface, Attribution& attribution, Inde
         if (surface.is_removed(t)) continue;
         Part& part = by_root[roots[surface.triangles[t][0]]];
         part.root = roots[surface.triangles[t][0]];
-        part.area += area_of(surface, t);
+        part.area += triangle_area(surface, t);
         ++part.num_triangles;
     }
     std::erase_if(by_root, [](const Part& p) { return p.root == kInvalidIndex; });
@@ -70,11 +65,11 @@ std::size_t drop_smallest_parts(Surface& surface, Attribution& attribution, Inde
 
 void drop_flat_triangles(Surface& surface, Attribution& attribution) {
     for (Index t = 0; t < surface.triangles.size(); ++t) {
-        if (surface.is_removed(t) || area_of(surface, t) > 0.0) continue;
+        if (surface.is_removed(t) || triangle_area(surface, t) > 0.0) continue;
         Index heir = kInvalidIndex;
         for (Index v : surface.triangles[t]) {
             surface.for_each_corner(v, [&](Index c) {
-                if (heir == kInvalidIndex && area_of(surface, c / 3) > 0.0) heir = c / 3;
+                if (heir == kInvalidIndex && triangle_area(surface, c / 3) > 0.0) heir = c / 3;
             });
         }
         for (Index p = attribution.first_points[t]; p != kInvalidIndex && heir != kInvalidIndex;) {

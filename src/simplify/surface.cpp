@@ -78,6 +78,11 @@ void collect_edges(const Surface& surface, Index vertex, std::vector<EdgeUse>& o
     });
 }
 
+double triangle_area(const Surface& surface, Index triangle) {
+    const auto [a, b, c] = surface.corners_of(triangle);
+    return 0.5 * length(cross(b - a, c - a));
+}
+
 Surface::Surface(std::vector<Vec3d> vertex_positions, const std::vector<Triangle>& all,
                  const Context& context)
     : positions(std::move(vertex_positions)), first_corners(positions.size(), kInvalidIndex) {

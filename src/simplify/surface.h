@@ -62,6 +62,8 @@ struct EdgeUse {
     int num_triangles() const { return num_out + num_in; }
 };
 
+double triangle_area(const Surface& surface, Index triangle);
+
 /// Edge uses of one vertex, in the order of its chain.
 void collect_edges(const Surface& surface, Index vertex, std::vector<EdgeUse>& out);
 
