@@ -41,8 +41,10 @@ struct SimplifyReport {
     Index num_triangles_before = 0, num_triangles = 0, num_vertices = 0;
     std::uint64_t num_collapses = 0, num_rejected_by_bound = 0, num_rejected_by_topology = 0,
                   num_rejected_by_shape = 0;
-    std::uint64_t num_off_surface =
-        0;  ///< points left out because the dense mesh itself is farther than the bound
+    std::uint64_t num_parts_removed =
+        0;  ///< tiny parts left out because the budget serves the others better
+    std::uint64_t num_off_surface = 0;  ///< points left out because the dense mesh itself is
+                                        ///< farther than the bound, or their part was left out
 };
 
 struct SimplifyResult {
@@ -56,8 +58,9 @@ struct SimplifyResult {
 /// Quadric edge collapse [Garland97] with area weights for the order and the attribution test for
 /// the bound: a collapse is legal only if every point attributed to the triangles around it stays
 /// within the bound. Link condition, flip, normal cone and shape checks; boundaries are kept;
-/// topology never changes. Both limits hold: work stops at whichever comes first. O(n log n). A
-/// closed 2-manifold stays one.
+/// topology never changes. Both limits hold: work stops at whichever comes first. Where a budget
+/// alone drives, the shape checks give way at a price, and tiny parts go when their turn comes.
+/// O(n log n). A closed 2-manifold stays one.
 SimplifyResult simplify(const DenseMesh& dense, const PointCloud& cloud,
                         const SimplifyOptions& options = {}, const Context& context = {});
 

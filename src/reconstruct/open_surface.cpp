@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/parallel.h"
+#include "reconstruct/pieces.h"
 
 namespace pointbake {
 namespace {
@@ -16,14 +17,6 @@ namespace {
 // Largest circumradius of a facet in spacings: wider ones span holes. Facets without a flat point
 // have less to show for themselves.
 constexpr double kReach = 3.0, kAgreedReach = 1.5;
-// Pieces with fewer facets are leftovers of pruning unless most of their points lie on no larger
-// piece.
-constexpr std::size_t kLargePiece = 12, kMinPiece = 4;
-// Pieces with at most so many facets are flakes if most of their points have a Delaunay neighbour
-// on a larger piece within so many spacings: what is left where two sheets are closer than the
-// points of either.
-constexpr std::size_t kLargestFlake = 128;
-constexpr double kFlakeReach = 1.5;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -185,91 +178,16 @@ class Walker {
         surface_.mates[other][start] = t * 3 + k;
     }
 
-    // Connected facets: those of piece p are members[begin[p]] .. members[begin[p + 1] - 1].
-    struct Pieces {
-        std::vector<Index> begin{0}, members;
-        std::size_t size() const { return begin.size() - 1; }
-        std::span<const Index> of(std::size_t p) const {
-            return std::span(members).subspan(begin[p], begin[p + 1] - begin[p]);
-        }
-    };
-
-    Pieces find_pieces() const {
-        Pieces pieces;
-        pieces.members.reserve(surface_.facets.size());
-        std::vector<std::uint8_t> seen(surface_.facets.size(), 0);
-        for (Index first = 0; first < surface_.facets.size(); ++first) {
-            if (seen[first] != 0) continue;
-            seen[first] = 1;
-            pieces.members.push_back(first);
-            for (std::size_t head = pieces.begin.back(); head < pieces.members.size(); ++head) {
-                for (Index mate : surface_.mates[pieces.members[head]]) {
-                    if (mate == kInvalidIndex || seen[mate / 3] != 0) continue;
-                    seen[mate / 3] = 1;
-                    pieces.members.push_back(mate / 3);
-                }
-            }
-            pieces.begin.push_back(static_cast<Index>(pieces.members.size()));
-        }
-        return pieces;
-    }
-
-    // Which pieces stay, from the largest down.
-    std::vector<std::uint8_t> choose_pieces(const Pieces& pieces) const {
-        std::vector<std::uint32_t> by_size(pieces.size());
-        std::iota(by_size.begin(), by_size.end(), 0U);
-        std::stable_sort(by_size.begin(), by_size.end(), [&](std::uint32_t p, std::uint32_t q) {
-            return pieces.of(p).size() > pieces.of(q).size();
-        });
-        std::vector<std::uint8_t> is_kept(pieces.size(), 0), is_used(tets_.num_real(), 0);
-        std::vector<Index> points;
-        for (std::size_t rank = 0; rank < by_size.size(); ++rank) {
-            const auto piece = pieces.of(by_size[rank]);
-            points.clear();
-            for (Index t : piece)
-                for (Index v : tets_.triangle(surface_.facets[t])) points.push_back(v);
-            std::sort(points.begin(), points.end());
-            points.erase(std::unique(points.begin(), points.end()), points.end());
-            if (rank > 0 && (is_leftover(piece, points, is_used) || is_flake(piece, points, is_used)))
-                continue;
-            is_kept[by_size[rank]] = 1;
-            for (Index v : points) is_used[v] = 1;
-        }
-        return is_kept;
-    }
-
-    static bool is_leftover(std::span<const Index> piece, const std::vector<Index>& points,
-                            const std::vector<std::uint8_t>& is_used) {
-        if (piece.size() >= kLargePiece) return false;
-        const auto num_used =
-            std::count_if(points.begin(), points.end(), [&](Index v) { return is_used[v] != 0; });
-        return piece.size() < kMinPiece || 2 * static_cast<std::size_t>(num_used) >= points.size();
-    }
-
-    bool is_flake(std::span<const Index> piece, const std::vector<Index>& points,
-                  const std::vector<std::uint8_t>& is_used) const {
-        if (piece.size() > kLargestFlake) return false;
-        const auto num_near = std::count_if(points.begin(), points.end(),
-                                            [&](Index v) { return is_near_used(v, is_used); });
-        return 2 * static_cast<std::size_t>(num_near) > points.size();
-    }
-
-    bool is_near_used(Index v, const std::vector<std::uint8_t>& is_used) const {
-        if (is_used[v] != 0) return true;
-        const double reach = kFlakeReach * spacing_[v];
-        for (Index c : tets_.star(v))
-            for (Index q : tets_.cells[c])
-                if (!tets_.is_far(q) && is_used[q] != 0 &&
-                    squared_length(tets_.points[q] - tets_.points[v]) <= reach * reach)
-                    return true;
-        return false;
-    }
-
     // Drops the small pieces and turns the others so that their outer side sees more of the far
     // points.
     FacetSurface keep_large_pieces() const {
-        const Pieces pieces = find_pieces();
-        const std::vector<std::uint8_t> is_kept = choose_pieces(pieces);
+        std::vector<Triangle> triangles;
+        std::vector<std::array<Index, 3>> neighbors = surface_.mates;
+        for (HalfFacet f : surface_.facets) triangles.push_back(tets_.triangle(f));
+        for (auto& mates : neighbors)
+            for (Index& m : mates) m = m == kInvalidIndex ? m : m / 3;
+        const Pieces pieces = find_pieces(neighbors);
+        const auto is_kept = choose_pieces(tets_, spacing_, triangles, pieces);
         FacetSurface kept;
         std::vector<Index> renumbered(surface_.facets.size(), kInvalidIndex);
         std::vector<std::array<Index, 3>> edges(surface_.facets.size());

@@ -3,6 +3,8 @@
 #include "pointbake/reconstruct.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 #include "core/adjacency.h"
 #include "core/message.h"
@@ -10,7 +12,10 @@
 #include "reconstruct/cocone.h"
 #include "reconstruct/facet_surface.h"
 #include "reconstruct/flat.h"
+#include "reconstruct/front.h"
+#include "reconstruct/holes.h"
 #include "reconstruct/open_surface.h"
+#include "reconstruct/pieces.h"
 #include "reconstruct/tetrahedra.h"
 #include "reconstruct/tight_cocone.h"
 
@@ -65,6 +70,41 @@ std::vector<std::uint8_t> mark(const Tetrahedra& tets, const std::vector<HalfFac
     return marked;
 }
 
+// Drops the pieces that are not worth keeping, and the vertices that only they used.
+void drop_flakes(const Tetrahedra& tets, std::span<const float> spacing, IndexedSurface& surface) {
+    std::vector<Triangle> triangles = surface.triangles;
+    for (Triangle& t : triangles)
+        for (Index& v : t) v = surface.vertex_points[v];
+    const Pieces pieces = find_pieces(triangle_neighbors(surface.triangles));
+    const auto is_kept = choose_pieces(tets, spacing, triangles, pieces);
+    IndexedSurface kept;
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        if (is_kept[p] != 0)
+            for (Index t : pieces.of(p)) kept.triangles.push_back(surface.triangles[t]);
+    std::vector<Index> renumbered(surface.vertex_points.size(), kInvalidIndex);
+    for (const Triangle& t : kept.triangles)
+        for (Index v : t) renumbered[v] = 0;
+    for (std::size_t v = 0; v < renumbered.size(); ++v) {
+        if (renumbered[v] == kInvalidIndex) continue;
+        renumbered[v] = static_cast<Index>(kept.vertex_points.size());
+        kept.vertex_points.push_back(surface.vertex_points[v]);
+    }
+    for (Triangle& t : kept.triangles)
+        for (Index& v : t) v = renumbered[v];
+    surface = std::move(kept);
+}
+
+void fill_holes(const Tetrahedra& tets, std::span<const float> spacing, IndexedSurface& surface,
+                const Context& context) {
+    std::vector<Vec3d> positions;
+    std::vector<float> spacings;
+    for (Index p : surface.vertex_points) {
+        positions.push_back(tets.points[p]);
+        spacings.push_back(spacing[p]);
+    }
+    fill_holes_in_place(positions, spacings, surface, context);
+}
+
 // How the closed surface differs from the one that Cocone found.
 struct Difference {
     double added = 0.0, lost = 0.0;  // shares of the closed surface's and of the open one's area
@@ -103,8 +143,10 @@ class Stage {
         FacetSurface surface = extract_open(tets_, cocone, context_);
         report_progress(context_, kStage, 0.8);
         choose(cocone, surface);
+        if (report_.surface == Surface::kOpen)
+            grow_in_place(tets_, cocone.spacing, surface, context_);
         report_progress(context_, kStage, 0.9);
-        return finish(std::move(surface));
+        return finish(cocone, std::move(surface));
     }
 
  private:
@@ -143,13 +185,17 @@ class Stage {
         surface = std::move(closed);
     }
 
-    ReconstructResult finish(FacetSurface surface) {
+    ReconstructResult finish(const Cocone& cocone, FacetSurface surface) {
         if (surface.facets.empty())
             fail(ErrorCode::kDegenerate,
                  "no surface found through the {} points: they are too sparse or too noisy",
                  tets_.num_real());
         IndexedSurface indexed = split_fans(tets_, std::move(surface), context_);
-        report_.num_split_vertices = indexed.num_split_vertices;
+        drop_flakes(tets_, cocone.spacing, indexed);
+        fill_holes(tets_, cocone.spacing, indexed, context_);
+        const auto& of = indexed.vertex_points;
+        report_.num_split_vertices =
+            static_cast<Index>(std::inner_product(of.begin() + 1, of.end(), of.begin(), 0, std::plus<>(), std::equal_to<>()));
         ReconstructResult result;
         Mesh& mesh = result.surface.mesh;
         order_vertices(indexed);

@@ -65,6 +65,7 @@ Json to_json(const SimplifyReport& r) {
             {"triangles_before", r.num_triangles_before},
             {"triangles", r.num_triangles},
             {"vertices", r.num_vertices},
+            {"parts_left_out", r.num_parts_removed},
             {"points_off_surface", r.num_off_surface},
             {"collapses",
              {{"done", r.num_collapses},

@@ -131,6 +131,7 @@ void add(CollapseCounts counts, SimplifyReport& report) {
     report.num_rejected_by_bound += counts.num_rejected_by_bound;
     report.num_rejected_by_topology += counts.num_rejected_by_topology;
     report.num_rejected_by_shape += counts.num_rejected_by_shape;
+    report.num_parts_removed += counts.num_parts_removed;
 }
 
 // Distances of the kept points to the whole mesh. A point changes its owner if another triangle is
@@ -202,13 +203,12 @@ FitMesh make_light(Surface& surface, Attribution& attribution, const SimplifyOpt
         add(collapse_edges_in_place(surface, attribution, limits, context), report);
         report.bound_met = false;
     }
-    if (options.triangles > 0 && surface.num_triangles > options.triangles) {
-        const std::size_t num_dropped =
-            drop_smallest_parts(surface, attribution, options.triangles);
+    if (options.triangles > 0 && surface.num_triangles > options.triangles)
+        report.num_parts_removed += drop_smallest_parts(surface, attribution, options.triangles);
+    if (report.num_parts_removed > 0)
         log(context, LogLevel::kWarning,
-            "{} triangles cannot hold all parts of the surface: the {} smallest were left out",
-            options.triangles, num_dropped);
-    }
+            "{} triangles cannot hold all parts of the surface: {} tiny ones were left out",
+            options.triangles, report.num_parts_removed);
     if (options.triangles > 0 && surface.num_triangles > options.triangles)
         fail(ErrorCode::kLimit,
              "{} triangles cannot hold this surface: its shape (holes, handles) needs {}",

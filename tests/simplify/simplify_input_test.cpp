@@ -202,10 +202,19 @@ TEST(SimplifyInput, PartsGoWhenTheBudgetCannotHoldThemAll) {
     const Input input = over(mesh);
     const SimplifyResult r = input.simplified({.triangles = 16});
     EXPECT_LE(r.mesh.triangles.size(), 16U);
-    EXPECT_EQ(topology(r.mesh.positions.size(), r.mesh.triangles).num_components, 4U);
-    // The smallest, the first, is gone, and its points with it.
-    EXPECT_EQ(r.report.num_off_surface, bumpy_sphere(4, 1).positions.size());
-    EXPECT_EQ(r.point_triangles[0], kInvalidIndex);
+    // The smallest go, and their points with them; the large one keeps most of the triangles.
+    const std::size_t num_parts =
+        topology(r.mesh.positions.size(), r.mesh.triangles).num_components;
+    EXPECT_LT(num_parts, 5U);
+    EXPECT_EQ(r.report.num_parts_removed, 5 - num_parts);
+    const std::size_t part_size = bumpy_sphere(4, 1).positions.size();
+    EXPECT_EQ(r.report.num_off_surface, (5 - num_parts) * part_size);
+    const std::array by_size{0U, 1U, 3U, 4U, 2U};
+    for (std::size_t rank = 0; rank < by_size.size(); ++rank)
+        EXPECT_EQ(r.point_triangles[by_size[rank] * part_size] == kInvalidIndex,
+                  rank < 5 - num_parts);
+    const auto in_large = [&](const Triangle& t) { return r.mesh.positions[t[0]].x > 4.9 && r.mesh.positions[t[0]].x < 7.1; };
+    EXPECT_GE(std::count_if(r.mesh.triangles.begin(), r.mesh.triangles.end(), in_large), 8);
     EXPECT_EQ(code_of(over(bumpy_sphere(4, 1)), {.triangles = 3}), ErrorCode::kLimit);
 }
 
