@@ -59,7 +59,11 @@ std::optional<LocalField::Unfolded> LocalField::unfold_across(const Unfolded& at
     const Vec2d a1 = to.corners[ka], e = to.corners[(ka + 2) % 3] - a1;
     const double norm = length(d) * length(e);
     if (!(norm > 0.0)) return std::nullopt;
-    Unfolded u{next, at.root, dot(e, d) / norm, cross(e, d) / norm, 0.0, 0.0};
+    const Triangle& home = scene_.mesh.triangles[triangle_];
+    const bool touches_home = std::any_of(tri.begin(), tri.end(), [&](Index v) {
+        return v == home[0] || v == home[1] || v == home[2];
+    });
+    Unfolded u{next, at.root, touches_home, dot(e, d) / norm, cross(e, d) / norm, 0.0, 0.0};
     u.tx = a.x - (u.c * a1.x - u.s * a1.y);
     u.ty = a.y - (u.s * a1.x + u.c * a1.y);
     return u;
@@ -69,13 +73,15 @@ std::optional<LocalField::Unfolded> LocalField::unfold_across(const Unfolded& at
 // to it leaves through.
 bool LocalField::is_near_root(const Unfolded& u, double reach) const {
     const RootEdge& root = roots_[u.root];
-    double nearest = HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
+    double nearest = HUGE_VAL, farthest = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
     for (const Vec2d& corner : scene_.shell.frame(u.triangle).corners) {
         const Vec2d d = u.place(corner) - root.start;
         nearest = std::min(nearest, dot(d, root.outward));
+        farthest = std::max(farthest, dot(d, root.outward));
         first = std::min(first, dot(d, root.along));
         last = std::max(last, dot(d, root.along));
     }
+    if (!u.touches_home && farthest <= 0.0) return false;
     return nearest <= reach && last >= -reach && first <= root.length + reach;
 }
 
@@ -94,7 +100,7 @@ void LocalField::unfold(Index triangle, double border) {
     queue_.clear();
     seen_.clear();
     seen_.insert(triangle);
-    queue_.push_back({triangle, kHome, 1.0, 0.0, 0.0, 0.0});
+    queue_.push_back({triangle, kHome, true, 1.0, 0.0, 0.0, 0.0});
     for (std::size_t head = 0; head < queue_.size() && queue_.size() < kMaxUnfolded; ++head) {
         const Unfolded at = queue_[head];
         for (std::size_t k = 0; k < 3; ++k) {
@@ -108,6 +114,17 @@ void LocalField::unfold(Index triangle, double border) {
             queue_.push_back(*u);
         }
     }
+}
+
+// Whether an unfolded place lies where the way to it leads: beyond the edge it leaves the home
+// triangle through. Around the home triangle's own vertices a way may turn further.
+bool LocalField::is_beyond(const Unfolded& from, Vec2f x) const {
+    const Vec2d p{static_cast<double>(x.x), static_cast<double>(x.y)};
+    const auto is_outside = [p](const RootEdge& edge) {
+        return dot(p - edge.start, edge.outward) > 0.0;
+    };
+    if (!from.touches_home) return is_outside(roots_[from.root]);
+    return std::any_of(roots_.begin(), roots_.end(), is_outside);
 }
 
 void LocalField::add_splats(const Unfolded& from, double border) {
@@ -128,7 +145,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;
         out.vxy = c * s * (f.vxx - f.vyy) + (c * c - s * s) * f.vxy;
         out.item = first + static_cast<Index>(i);
-        if (from.root != kHome && is_over_home(out.center)) continue;
+        if (from.root != kHome && !is_beyond(from, out.center)) continue;
         const float rx = scene_.kernel.cut * std::sqrt(out.vxx),
                     ry = scene_.kernel.cut * std::sqrt(out.vyy);
         if (out.center.x + rx < -grow || out.center.x - rx > width) continue;
