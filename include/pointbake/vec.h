@@ -118,6 +118,10 @@ Vec3<T> normalized(Vec3<T> a) {
     return l > T(0) ? a / l : Vec3<T>{};
 }
 template <class To, class T>
+constexpr Vec2<To> vec_cast(Vec2<T> a) {
+    return {static_cast<To>(a.x), static_cast<To>(a.y)};
+}
+template <class To, class T>
 constexpr Vec3<To> vec_cast(Vec3<T> a) {
     return {static_cast<To>(a.x), static_cast<To>(a.y), static_cast<To>(a.z)};
 }

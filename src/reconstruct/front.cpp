@@ -97,7 +97,8 @@ class Front {
     }
 
     bool on_one_loop(Index x, Index y) const {
-        for (Index p = next_border(x), q = next_border(y);; p = next_border(p), q = next_border(q)) {
+        for (Index p = next_border(x), q = next_border(y);;
+             p = next_border(p), q = next_border(q)) {
             if (p == y || q == x) return true;
             if (p == x || q == y) return false;
         }
@@ -160,7 +161,8 @@ class Front {
         const std::size_t start = v[0] == b ? 0 : (v[1] == b ? 1 : 2);
         const Index w = v[(start + 2) % 3];
         Joints joints{start, kInvalidIndex, kInvalidIndex};
-        if (!find_joint(a, w, joints.after) || !find_joint(w, b, joints.before)) return std::nullopt;
+        if (!find_joint(a, w, joints.after) || !find_joint(w, b, joints.before))
+            return std::nullopt;
         if (joints.after == kInvalidIndex && joints.before == kInvalidIndex &&
             first_corner_[w] != kInvalidIndex && !is_on_border(w))
             return std::nullopt;
@@ -195,7 +197,8 @@ class Front {
         surface_.mates.push_back({kInvalidIndex, kInvalidIndex, kInvalidIndex});
         link(t);
         join(offer.edge, 3 * t + static_cast<Index>(joints.start));
-        for (const auto& [step, joint] : {std::pair{1U, joints.after}, std::pair{2U, joints.before}}) {
+        for (const auto& [step, joint] :
+             {std::pair{1U, joints.after}, std::pair{2U, joints.before}}) {
             const Index k = static_cast<Index>((joints.start + step) % 3);
             if (joint == kInvalidIndex)
                 push(3 * t + k);
@@ -214,7 +217,7 @@ class Front {
     std::span<const float> spacing_;
     FacetSurface& surface_;
     std::vector<Index> first_corner_, next_corner_;  // chains of corners 3 * facet + k per point
-    std::vector<Index> parent_;  // per facet, up to the piece's root
+    std::vector<Index> parent_;                      // per facet, up to the piece's root
     std::priority_queue<Offer> queue_;
 };
 

@@ -98,9 +98,11 @@ class Hole {
             const Weight parts = weights_[i * n + m] + weights_[m * n + k];
             if (!(parts < weights_[i * n + k])) continue;
             const Vec3d normal = area_vector(i, m, k);
-            Weight own{std::max(bend(normal, normal_behind(i, m)), bend(normal, normal_behind(m, k))),
-                       0.5 * length(normal)};
-            if (i == 0 && k + 1 == n) own.bend = std::max(own.bend, bend(normal, normal_behind(i, k)));
+            Weight own{
+                std::max(bend(normal, normal_behind(i, m)), bend(normal, normal_behind(m, k))),
+                0.5 * length(normal)};
+            if (i == 0 && k + 1 == n)
+                own.bend = std::max(own.bend, bend(normal, normal_behind(i, k)));
             if (!(parts + own < weights_[i * n + k])) continue;
             weights_[i * n + k] = parts + own;
             middles_[i * n + k] = m;
@@ -120,7 +122,7 @@ class Hole {
     const VertexTriangles& around_;
     const std::vector<Triangle>& triangles_;
     std::span<const Index> loop_;
-    std::vector<Weight> weights_;        // per pair i < k of the loop's vertices
+    std::vector<Weight> weights_;  // per pair i < k of the loop's vertices
     std::vector<std::size_t> middles_;
 };
 
@@ -158,7 +160,7 @@ std::vector<std::vector<Index>> find_loops(const IndexedSurface& surface) {
 }  // namespace
 
 void fill_holes_in_place(std::span<const Vec3d> points, std::span<const float> spacing,
-                          IndexedSurface& surface, const Context& context) {
+                         IndexedSurface& surface, const Context& context) {
     const auto loops = find_loops(surface);
     const auto around = vertex_triangles(surface.vertex_points.size(), surface.triangles);
     std::vector<std::vector<Triangle>> fills(loops.size());

@@ -13,6 +13,6 @@ namespace pointbake {
 /// least area. No new vertices; a 2-manifold stays one. `points` and `spacing` per vertex. O(n^3)
 /// in the edges of a loop.
 void fill_holes_in_place(std::span<const Vec3d> points, std::span<const float> spacing,
-                          IndexedSurface& surface, const Context& context);
+                         IndexedSurface& surface, const Context& context);
 
 }  // namespace pointbake

@@ -30,10 +30,9 @@ class Chooser {
  private:
     bool is_leftover(std::size_t num_triangles, const std::vector<Index>& points) const {
         if (num_triangles >= kLargePiece) return false;
-        const auto num_used = std::count_if(points.begin(), points.end(),
-                                            [&](Index v) { return is_used_[v] != 0; });
-        return num_triangles < kMinPiece ||
-               2 * static_cast<std::size_t>(num_used) >= points.size();
+        const auto num_used =
+            std::count_if(points.begin(), points.end(), [&](Index v) { return is_used_[v] != 0; });
+        return num_triangles < kMinPiece || 2 * static_cast<std::size_t>(num_used) >= points.size();
     }
 
     bool is_flake(std::size_t num_triangles, const std::vector<Index>& points) const {
@@ -82,8 +81,7 @@ Pieces find_pieces(std::span<const std::array<Index, 3>> neighbors) {
 }
 
 std::vector<std::uint8_t> choose_pieces(const Tetrahedra& tets, std::span<const float> spacing,
-                                        std::span<const Triangle> triangles,
-                                        const Pieces& pieces) {
+                                        std::span<const Triangle> triangles, const Pieces& pieces) {
     std::vector<std::uint32_t> by_size(pieces.size());
     std::iota(by_size.begin(), by_size.end(), 0U);
     std::stable_sort(by_size.begin(), by_size.end(), [&](std::uint32_t p, std::uint32_t q) {
@@ -95,8 +93,7 @@ std::vector<std::uint8_t> choose_pieces(const Tetrahedra& tets, std::span<const 
     for (std::size_t rank = 0; rank < by_size.size(); ++rank) {
         const auto piece = pieces.of(by_size[rank]);
         points.clear();
-        for (Index t : piece)
-            points.insert(points.end(), triangles[t].begin(), triangles[t].end());
+        for (Index t : piece) points.insert(points.end(), triangles[t].begin(), triangles[t].end());
         std::sort(points.begin(), points.end());
         points.erase(std::unique(points.begin(), points.end()), points.end());
         if (rank > 0 && !chooser.is_worth(piece.size(), points)) continue;

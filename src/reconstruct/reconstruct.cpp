@@ -194,8 +194,8 @@ class Stage {
         drop_flakes(tets_, cocone.spacing, indexed);
         fill_holes(tets_, cocone.spacing, indexed, context_);
         const auto& of = indexed.vertex_points;
-        report_.num_split_vertices =
-            static_cast<Index>(std::inner_product(of.begin() + 1, of.end(), of.begin(), 0, std::plus<>(), std::equal_to<>()));
+        report_.num_split_vertices = static_cast<Index>(std::inner_product(
+            of.begin() + 1, of.end(), of.begin(), 0, std::plus<>(), std::equal_to<>()));
         ReconstructResult result;
         Mesh& mesh = result.surface.mesh;
         order_vertices(indexed);

@@ -115,9 +115,9 @@ class Collapser {
     CollapseOrder order_;
     std::vector<std::uint8_t> marks_;
     CollapseJudge judge_;
-    std::vector<Candidate> best_;        // per vertex
-    std::vector<Refusals> refused_;      // per vertex and attempt: edges up to this were refused
-    std::vector<float> removal_costs_;   // per vertex, if known to be above the edge's
+    std::vector<Candidate> best_;       // per vertex
+    std::vector<Refusals> refused_;     // per vertex and attempt: edges up to this were refused
+    std::vector<float> removal_costs_;  // per vertex, if known to be above the edge's
     std::size_t num_attempts_ = 1;
     std::vector<std::uint8_t> changed_;  // ring changed since best_ was found
     IndexedHeap heap_;

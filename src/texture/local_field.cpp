@@ -13,6 +13,8 @@ constexpr std::size_t kMaxUnfolded =
     384;                             // triangles unfolded around one: a limit for very fine meshes
 constexpr float kMinWeight = 1e-5F;  // below, a place counts as not covered
 constexpr int kMaxCells = 64;        // per side of the bin grid
+// An unfolded splat is dropped if it seems nearer to the triangle than this share of what it is.
+constexpr double kLeastDistance = 0.95;
 
 }  // namespace
 
@@ -59,11 +61,7 @@ std::optional<LocalField::Unfolded> LocalField::unfold_across(const Unfolded& at
     const Vec2d a1 = to.corners[ka], e = to.corners[(ka + 2) % 3] - a1;
     const double norm = length(d) * length(e);
     if (!(norm > 0.0)) return std::nullopt;
-    const Triangle& home = scene_.mesh.triangles[triangle_];
-    const bool touches_home = std::any_of(tri.begin(), tri.end(), [&](Index v) {
-        return v == home[0] || v == home[1] || v == home[2];
-    });
-    Unfolded u{next, at.root, touches_home, dot(e, d) / norm, cross(e, d) / norm, 0.0, 0.0};
+    Unfolded u{next, at.root, dot(e, d) / norm, cross(e, d) / norm, 0.0, 0.0};
     u.tx = a.x - (u.c * a1.x - u.s * a1.y);
     u.ty = a.y - (u.s * a1.x + u.c * a1.y);
     return u;
@@ -73,21 +71,18 @@ std::optional<LocalField::Unfolded> LocalField::unfold_across(const Unfolded& at
 // to it leaves through.
 bool LocalField::is_near_root(const Unfolded& u, double reach) const {
     const RootEdge& root = roots_[u.root];
-    double nearest = HUGE_VAL, farthest = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
+    double nearest = HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
     for (const Vec2d& corner : scene_.shell.frame(u.triangle).corners) {
         const Vec2d d = u.place(corner) - root.start;
         nearest = std::min(nearest, dot(d, root.outward));
-        farthest = std::max(farthest, dot(d, root.outward));
         first = std::min(first, dot(d, root.along));
         last = std::max(last, dot(d, root.along));
     }
-    if (!u.touches_home && farthest <= 0.0) return false;
     return nearest <= reach && last >= -reach && first <= root.length + reach;
 }
 
 // Breadth first over edges; each triangle is unfolded once, along the first way found. A way stays
-// near the edge it leaves the home triangle through: on its wanderings it would come back over the
-// home triangle itself.
+// near the edge it leaves the home triangle through.
 void LocalField::unfold(Index triangle, double border) {
     const TriangleFrame& home = scene_.shell.frame(triangle);
     const double reach = border + static_cast<double>(scene_.prints.reach[triangle]);
@@ -100,7 +95,7 @@ void LocalField::unfold(Index triangle, double border) {
     queue_.clear();
     seen_.clear();
     seen_.insert(triangle);
-    queue_.push_back({triangle, kHome, true, 1.0, 0.0, 0.0, 0.0});
+    queue_.push_back({triangle, kHome, 1.0, 0.0, 0.0, 0.0});
     for (std::size_t head = 0; head < queue_.size() && queue_.size() < kMaxUnfolded; ++head) {
         const Unfolded at = queue_[head];
         for (std::size_t k = 0; k < 3; ++k) {
@@ -116,15 +111,31 @@ void LocalField::unfold(Index triangle, double border) {
     }
 }
 
-// Whether an unfolded place lies where the way to it leads: beyond the edge it leaves the home
-// triangle through. Around the home triangle's own vertices a way may turn further.
-bool LocalField::is_beyond(const Unfolded& from, Vec2f x) const {
-    const Vec2d p{static_cast<double>(x.x), static_cast<double>(x.y)};
-    const auto is_outside = [p](const RootEdge& edge) {
-        return dot(p - edge.start, edge.outward) > 0.0;
-    };
-    if (!from.touches_home) return is_outside(roots_[from.root]);
-    return std::any_of(roots_.begin(), roots_.end(), is_outside);
+// The place of the home triangle that is nearest to x: x itself if it lies over the triangle.
+Vec2d LocalField::nearest_home(Vec2d x) const {
+    Vec2d nearest = x;
+    double best = HUGE_VAL;
+    for (const RootEdge& edge : roots_) {
+        if (dot(x - edge.start, edge.outward) <= 0.0) continue;
+        const double t = std::clamp(dot(x - edge.start, edge.along), 0.0, edge.length);
+        const Vec2d y = edge.start + edge.along * t;
+        const double distance = length(x - y);
+        if (distance < best) best = distance, nearest = y;
+    }
+    return nearest;
+}
+
+// Whether the unfolding holds for a splat, given its center in its own triangle and here. A way
+// over the surface is never shorter than the straight one through space: where it is, the
+// unfolding went around a corner and came back beside the home triangle.
+bool LocalField::is_placed(const Unfolded& from, Vec2f own, Vec2f here) const {
+    const Vec2d x = vec_cast<double>(here), home = nearest_home(x);
+    const double distance = length(x - home);
+    if (distance == 0.0) return false;
+    const TriangleFrame& theirs = scene_.shell.frame(from.triangle);
+    const TriangleFrame& ours = scene_.shell.frame(triangle_);
+    return distance >=
+           kLeastDistance * length(theirs.place(vec_cast<double>(own)) - ours.place(home));
 }
 
 void LocalField::add_splats(const Unfolded& from, double border) {
@@ -145,7 +156,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;
         out.vxy = c * s * (f.vxx - f.vyy) + (c * c - s * s) * f.vxy;
         out.item = first + static_cast<Index>(i);
-        if (from.root != kHome && !is_beyond(from, out.center)) continue;
+        if (from.root != kHome && !is_placed(from, f.center, out.center)) continue;
         const float rx = scene_.kernel.cut * std::sqrt(out.vxx),
                     ry = scene_.kernel.cut * std::sqrt(out.vyy);
         if (out.center.x + rx < -grow || out.center.x - rx > width) continue;

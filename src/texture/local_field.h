@@ -57,7 +57,6 @@ class LocalField {
     struct Unfolded {
         Index triangle;
         std::size_t root;     ///< edge of the home triangle that the way to this one leaves through
-        bool touches_home;    ///< shares a vertex with it
         double c, s, tx, ty;  ///< x' = c x - s y + tx, y' = s x + c y + ty
         Vec2d place(Vec2d x) const { return {c * x.x - s * x.y + tx, s * x.x + c * x.y + ty}; }
     };
@@ -84,7 +83,8 @@ class LocalField {
     void unfold(Index triangle, double border);
     std::optional<Unfolded> unfold_across(const Unfolded& at, std::size_t k, Index next) const;
     bool is_near_root(const Unfolded& u, double reach) const;
-    bool is_beyond(const Unfolded& from, Vec2f x) const;
+    Vec2d nearest_home(Vec2d x) const;
+    bool is_placed(const Unfolded& from, Vec2f own, Vec2f here) const;
     void add_splats(const Unfolded& from, double border);
     void build_bins();
     SplatSum evaluate_wide(Vec2f x, std::span<const Vec3f> values,

@@ -21,6 +21,7 @@ struct TriangleFrame {
     Vec3d origin, ex, ey, ez;
     std::array<Vec2d, 3> corners;
     int left = 0;  ///< corner at the origin; left+1 is the right end, left+2 the apex
+    Vec3d place(Vec2d x) const { return origin + ex * x.x + ey * x.y; }
     double base() const { return corners[static_cast<std::size_t>((left + 1) % 3)].x; }
     double height() const { return corners[static_cast<std::size_t>((left + 2) % 3)].y; }
     double area() const { return 0.5 * base() * height(); }

@@ -213,7 +213,9 @@ TEST(SimplifyInput, PartsGoWhenTheBudgetCannotHoldThemAll) {
     for (std::size_t rank = 0; rank < by_size.size(); ++rank)
         EXPECT_EQ(r.point_triangles[by_size[rank] * part_size] == kInvalidIndex,
                   rank < 5 - num_parts);
-    const auto in_large = [&](const Triangle& t) { return r.mesh.positions[t[0]].x > 4.9 && r.mesh.positions[t[0]].x < 7.1; };
+    const auto in_large = [&](const Triangle& t) {
+        return r.mesh.positions[t[0]].x > 4.9 && r.mesh.positions[t[0]].x < 7.1;
+    };
     EXPECT_GE(std::count_if(r.mesh.triangles.begin(), r.mesh.triangles.end(), in_large), 8);
     EXPECT_EQ(code_of(over(bumpy_sphere(4, 1)), {.triangles = 3}), ErrorCode::kLimit);
 }
