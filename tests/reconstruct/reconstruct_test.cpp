@@ -203,6 +203,44 @@ TEST(Reconstruct, HoldsThinPlatesTogether) {
     EXPECT_NEAR(volume(r.surface.mesh.positions, r.surface.mesh.triangles), 0.6, 0.03);
 }
 
+// Two parallel sheets of jittered points, `gap` spacings apart: a sheet of cloth, say.
+PointCloud cloth(int n, double gap) {
+    PointCloud cloud;
+    for (std::uint64_t side = 0; side < 2; ++side) {
+        for (int j = 0; j < n; ++j) {
+            for (int i = 0; i < n; ++i) {
+                const auto id = static_cast<std::uint64_t>((j * n + i) * 2) + side;
+                add_point(cloud,
+                          {i + 0.7 * random_unit(11, id), j + 0.7 * random_unit(12, id),
+                           gap * static_cast<double>(side)},
+                          {});
+            }
+        }
+    }
+    return cloud;
+}
+
+TEST(Reconstruct, CoversBothSidesOfAThinCloth) {
+    constexpr int kSide = 60;
+    for (double gap : {0.6, 0.9, 1.2, 1.6}) {
+        const ReconstructResult r = reconstruct(cloth(kSide, gap), {.surface = Surface::kOpen});
+        const auto& p = r.surface.mesh.positions;
+        double up = 0.0, down = 0.0;
+        for (const Triangle& v : r.surface.mesh.triangles) {
+            const double z = 0.5 * cross(p[v[1]] - p[v[0]], p[v[2]] - p[v[0]]).z;
+            (z > 0.0 ? up : down) += std::fabs(z);
+        }
+        const double area = (kSide - 0.65) * (kSide - 0.65);
+        EXPECT_NEAR(up, area, 0.01 * area) << gap;
+        EXPECT_NEAR(down, area, 0.01 * area) << gap;
+        const Topology t = topology_of(r);
+        EXPECT_EQ(t.num_components, 1U) << gap;
+        EXPECT_EQ(t.num_boundary_loops, 0U) << gap;
+        EXPECT_EQ(t.num_nonmanifold_edges + t.num_nonmanifold_vertices, 0U) << gap;
+        EXPECT_GE(t.euler(), 2 - 2 * 4) << gap;  // few of the many gaps become handles
+    }
+}
+
 TEST(Reconstruct, ClosesNoisySpheresWhateverTheyLookLike) {
     const double spacing = std::sqrt(4.0 * std::numbers::pi / 3000.0);
     for (const double noise : {0.05, 0.1, 0.2, 0.3}) {

@@ -134,7 +134,7 @@ TEST(Texture, TrianglesWithoutPointsTakeTheColourAround) {
 
 TEST(Texture, SurfaceThatUnfoldsBackOverATriangleDoesNotColourIt) {
     // Twelve corners of 60 degrees at one vertex: halfway around, the unfolded surface lies over
-    // the triangle it started from.
+    // the triangle it started from, and shortly before and after beside it.
     Painted p;
     constexpr int kCorners = 12;
     p.mesh.positions.push_back({0, 0, 0});
@@ -153,7 +153,7 @@ TEST(Texture, SurfaceThatUnfoldsBackOverATriangleDoesNotColourIt) {
                 p.cloud.positions.push_back(p.mesh.positions[tri[0]] * (1 - u - v) +
                                             p.mesh.positions[tri[1]] * u +
                                             p.mesh.positions[tri[2]] * v);
-                p.cloud.colors.push_back(t == 6 ? Rgb16{65535, 0, 0} : Rgb16{0, 0, 65535});
+                p.cloud.colors.push_back(t >= 5 && t <= 7 ? Rgb16{65535, 0, 0} : Rgb16{0, 0, 65535});
                 p.cloud.normals.push_back(vec_cast<float>(frame.ez));
                 p.cloud.areas.push_back(static_cast<float>(frame.area() / 55.0));
                 p.cloud.rows.push_back(p.cloud.rows.size());
@@ -163,7 +163,8 @@ TEST(Texture, SurfaceThatUnfoldsBackOverATriangleDoesNotColourIt) {
     }
     const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
     const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
-    EXPECT_EQ(color_at(baked.model, 0, {0.2, 0.4, 0.4}).x, 0.0);
+    for (Vec3d b : {Vec3d{0.2, 0.4, 0.4}, Vec3d{0.5, 0.5, 0.0}, Vec3d{0.5, 0.0, 0.5}})
+        EXPECT_EQ(color_at(baked.model, 0, b).x, 0.0);
     EXPECT_EQ(color_at(baked.model, 6, {0.2, 0.4, 0.4}).x, 255.0);
 }
 

@@ -1,0 +1,90 @@
+#include "reconstruct/holes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/adjacency.h"
+
+namespace pointbake {
+namespace {
+
+// A square of n x n vertices, one apart, without the triangles for which `is_gone` holds at the
+// centroid.
+struct Sheet {
+    std::vector<Vec3d> points;
+    std::vector<float> spacing;
+    IndexedSurface surface;
+
+    template <class Gone>
+    Sheet(Index n, Gone&& is_gone) {
+        for (Index v = 0; v < n * n; ++v) {
+            points.push_back({static_cast<double>(v % n), static_cast<double>(v / n), 0.0});
+            spacing.push_back(1.0F);
+            surface.vertex_points.push_back(v);
+        }
+        for (Index v = 0; v + n < n * n; ++v) {
+            if (v % n == n - 1) continue;
+            for (const Triangle& t : {Triangle{v, v + 1, v + n + 1}, Triangle{v, v + n + 1, v + n}})
+                if (!is_gone((points[t[0]] + points[t[1]] + points[t[2]]) / 3.0))
+                    surface.triangles.push_back(t);
+        }
+    }
+
+    Topology fill() {
+        fill_holes_in_place(points, spacing, surface, {});
+        const Topology t = topology(points.size(), surface.triangles);
+        EXPECT_EQ(t.num_nonmanifold_edges + t.num_nonmanifold_vertices, 0U);
+        return t;
+    }
+
+    double area() const {
+        double sum = 0.0;
+        for (const Triangle& t : surface.triangles) {
+            const double z = cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]).z;
+            EXPECT_GT(z, 0.0);
+            sum += 0.5 * z;
+        }
+        return sum;
+    }
+};
+
+TEST(Holes, AreFilledFlatWhereTheSheetIsFlat) {
+    Sheet sheet(20, [](Vec3d c) { return length(c - Vec3d{9, 9, 0}) < 2.1; });
+    EXPECT_LT(sheet.area(), 19 * 19 - 8);
+    EXPECT_EQ(sheet.fill().num_boundary_loops, 1U);  // the sheet's own rim
+    EXPECT_NEAR(sheet.area(), 19 * 19, 1e-9);
+}
+
+TEST(Holes, WideOnesStayOpen) {
+    Sheet sheet(30, [](Vec3d c) { return length(c - Vec3d{14, 14, 0}) < 5.0; });
+    const double before = sheet.area();
+    EXPECT_EQ(sheet.fill().num_boundary_loops, 2U);
+    EXPECT_EQ(sheet.area(), before);
+}
+
+TEST(Holes, RimsOfSmallSheetsStayOpen) {
+    Sheet sheet(5, [](Vec3d) { return false; });
+    EXPECT_EQ(sheet.fill().num_boundary_loops, 1U);
+    EXPECT_EQ(sheet.surface.triangles.size(), 32U);
+}
+
+TEST(Holes, NeverMakeAnEdgeOfThreeTriangles) {
+    // A square sheet over the diagonal 1-3: its rim can only be closed over 0-2.
+    std::vector<Vec3d> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    IndexedSurface surface{{}, {{0, 1, 3}, {1, 2, 3}}, 0};
+    for (int round = 0; round < 2; ++round) {
+        for (const Triangle& t : std::vector<Triangle>(std::move(surface.triangles))) {
+            const auto c = static_cast<Index>(points.size());
+            points.push_back((points[t[0]] + points[t[1]] + points[t[2]]) / 3.0);
+            for (std::size_t k = 0; k < 3; ++k)
+                surface.triangles.push_back({t[k], t[(k + 1) % 3], c});
+        }
+    }
+    surface.vertex_points.resize(points.size());
+    fill_holes_in_place(points, std::vector<float>(points.size(), 1.0F), surface, {});
+    EXPECT_TRUE(topology(points.size(), surface.triangles).is_closed_manifold());
+}
+
+}  // namespace
+}  // namespace pointbake
