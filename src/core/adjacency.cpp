@@ -14,19 +14,34 @@ struct HalfEdge {
     bool forward;  // runs from low to high
 };
 
+// By the lower vertex, then the higher one, then the triangle: buckets by the lower vertex, sorted
+// inside.
 std::vector<HalfEdge> sorted_half_edges(std::span<const Triangle> triangles) {
-    std::vector<HalfEdge> edges;
-    edges.reserve(triangles.size() * 3);
+    Index num_vertices = 0;
+    for (const Triangle& t : triangles)
+        num_vertices = std::max(num_vertices, std::max({t[0], t[1], t[2]}) + 1);
+    std::vector<std::size_t> begin(num_vertices + std::size_t{1}, 0);
+    const auto low_of = [](const Triangle& t, std::size_t k) {
+        return std::min(t[k], t[(k + 1) % 3]);
+    };
+    for (const Triangle& t : triangles)
+        for (std::size_t k = 0; k < 3; ++k) ++begin[low_of(t, k) + std::size_t{1}];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<HalfEdge> edges(triangles.size() * 3);
+    std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
     for (Index t = 0; t < triangles.size(); ++t) {
         for (std::uint8_t k = 0; k < 3; ++k) {
             const Index a = triangles[t][k], b = triangles[t][(k + 1U) % 3U];
-            edges.push_back({std::min(a, b), std::max(a, b), t, k, a < b});
+            edges[next[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t, k, a < b};
         }
     }
-    std::sort(edges.begin(), edges.end(), [](const HalfEdge& x, const HalfEdge& y) {
-        return std::tie(x.low, x.high, x.triangle, x.corner) <
-               std::tie(y.low, y.high, y.triangle, y.corner);
-    });
+    for (Index v = 0; v < num_vertices; ++v)
+        std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin[v]),
+                  edges.begin() + static_cast<std::ptrdiff_t>(begin[v + std::size_t{1}]),
+                  [](const HalfEdge& x, const HalfEdge& y) {
+                      return std::tie(x.high, x.triangle, x.corner) <
+                             std::tie(y.high, y.triangle, y.corner);
+                  });
     return edges;
 }
 

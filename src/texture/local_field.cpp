@@ -145,6 +145,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
     const auto grow = static_cast<float>(border);
     const float width = static_cast<float>(home.base()) + grow,
                 height = static_cast<float>(home.height()) + grow;
+    const float far = scene_.prints.reach[triangle_];  // no splat around here is larger
     const Index first = scene_.prints.begin[from.triangle];
     const std::span<const Footprint> prints = scene_.prints.of(from.triangle);
     for (std::size_t i = 0; i < prints.size(); ++i) {
@@ -152,17 +153,20 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         if (f.hidden) continue;
         LocalSplat out;
         out.center = {c * f.center.x - s * f.center.y + tx, s * f.center.x + c * f.center.y + ty};
+        if (out.center.x < -grow - far || out.center.x > width + far || out.center.y < -grow - far ||
+            out.center.y > height + far)
+            continue;
         out.vxx = c * c * f.vxx - 2.0F * c * s * f.vxy + s * s * f.vyy;
         out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;
         out.vxy = c * s * (f.vxx - f.vyy) + (c * c - s * s) * f.vxy;
         out.item = first + static_cast<Index>(i);
-        if (from.root != kHome && !is_placed(from, f.center, out.center)) continue;
         const float rx = scene_.kernel.cut * std::sqrt(out.vxx),
                     ry = scene_.kernel.cut * std::sqrt(out.vyy);
         if (out.center.x + rx < -grow || out.center.x - rx > width) continue;
         if (out.center.y + ry < -grow || out.center.y - ry > height) continue;
         const float det = out.vxx * out.vyy - out.vxy * out.vxy;
         if (!(det > 0.0F)) continue;
+        if (from.root != kHome && !is_placed(from, f.center, out.center)) continue;
         splats_.push_back(out);
         inverses_.push_back({out.vyy / det, -out.vxy / det, out.vxx / det, rx, ry});
     }
