@@ -153,8 +153,8 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         if (f.hidden) continue;
         LocalSplat out;
         out.center = {c * f.center.x - s * f.center.y + tx, s * f.center.x + c * f.center.y + ty};
-        if (out.center.x < -grow - far || out.center.x > width + far || out.center.y < -grow - far ||
-            out.center.y > height + far)
+        if (out.center.x < -grow - far || out.center.x > width + far ||
+            out.center.y < -grow - far || out.center.y > height + far)
             continue;
         out.vxx = c * c * f.vxx - 2.0F * c * s * f.vxy + s * s * f.vyy;
         out.vyy = s * s * f.vxx + 2.0F * c * s * f.vxy + c * c * f.vyy;

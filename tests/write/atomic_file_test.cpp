@@ -158,6 +158,7 @@ TEST(AtomicFile, NamesTheMissingFolder) {
 }
 
 TEST(AtomicFile, TellsThatAFolderCannotBeWritten) {
+    if (!std::filesystem::exists("/sys/kernel")) GTEST_SKIP() << "/sys is not mounted";
     // Not even root creates files there.
     const auto thrown = error_of([] { AtomicFile file("/sys/a.glb"); });
     ASSERT_TRUE(thrown);
