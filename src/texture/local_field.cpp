@@ -211,34 +211,27 @@ void LocalField::build_bins() {
     cell_begin_.back() = static_cast<Index>(cell_items_.size());
 }
 
-SplatSum LocalField::evaluate(Vec2f x, std::span<const Vec3f> values,
-                              std::span<const std::uint8_t> skip) const {
-    SplatSum out;
+std::size_t LocalField::cell_at(Vec2f x) const {
     const int cx = std::clamp(static_cast<int>(x.x * cells_per_unit_), 0, grid_width_ - 1);
     const int cy = std::clamp(static_cast<int>(x.y * cells_per_unit_), 0, grid_height_ - 1);
-    const auto cell = static_cast<std::size_t>(cy * grid_width_ + cx);
-    for (Index k = cell_begin_[cell]; k < cell_begin_[cell + 1]; ++k) {
-        const Index i = cell_items_[k];
-        const LocalSplat& s = splats_[i];
-        const Inverse& v = inverses_[i];
-        const float dx = x.x - s.center.x, dy = x.y - s.center.y;
-        const float q = v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy;
-        if (!(q < scene_.kernel.cut2) || (!skip.empty() && skip[s.item])) continue;
-        const float w = scene_.kernel(q);
-        out.sum += values[s.item] * w;
-        out.weight += w;
-    }
-    return out.weight > kMinWeight ? out : evaluate_wide(x, values, skip);
+    return static_cast<std::size_t>(cy * grid_width_ + cx);
 }
 
-SplatSum LocalField::evaluate_wide(Vec2f x, std::span<const Vec3f> values,
-                                   std::span<const std::uint8_t> skip) const {
+SplatSum LocalField::evaluate(Vec2f x, std::span<const Vec3f> values) const {
+    SplatSum out;
+    for_each_weight(x, [&](Index item, float w) {
+        out.sum += values[item] * w;
+        out.weight += w;
+    });
+    return out.weight > kMinWeight ? out : evaluate_wide(x, values);
+}
+
+SplatSum LocalField::evaluate_wide(Vec2f x, std::span<const Vec3f> values) const {
     constexpr float kWidest = 1048576.0F;  // q scaled by this reaches anything gathered
     SplatSum out;
     for (float widen = 4.0F; widen <= kWidest; widen *= 4.0F) {
         for (std::size_t i = 0; i < splats_.size(); ++i) {
             const LocalSplat& s = splats_[i];
-            if (!skip.empty() && skip[s.item]) continue;
             const Inverse& v = inverses_[i];
             const float dx = x.x - s.center.x, dy = x.y - s.center.y;
             const float q = (v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy) / widen;

@@ -45,11 +45,22 @@ class LocalField {
     std::span<const LocalSplat> splats() const { return splats_; }
     const Kernel& kernel() const { return scene_.kernel; }
 
-    /// The splatted function at x in the triangle's plane; `values` per item, `skip` (may be empty)
-    /// leaves items out. Where no splat reaches, the kernels are widened until one does; weight 0 =
-    /// there are no splats at all.
-    SplatSum evaluate(Vec2f x, std::span<const Vec3f> values,
-                      std::span<const std::uint8_t> skip = {}) const;
+    /// Calls visit(item, weight) for the splats that reach x in the triangle's plane.
+    template <class Visit>
+    void for_each_weight(Vec2f x, Visit&& visit) const {
+        const std::size_t cell = cell_at(x);
+        for (Index k = cell_begin_[cell]; k < cell_begin_[cell + 1]; ++k) {
+            const Index i = cell_items_[k];
+            const Inverse& v = inverses_[i];
+            const float dx = x.x - splats_[i].center.x, dy = x.y - splats_[i].center.y;
+            const float q = v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy;
+            if (q < scene_.kernel.cut2) visit(splats_[i].item, scene_.kernel(q));
+        }
+    }
+
+    /// The splatted function at x in the triangle's plane; `values` per item. Where no splat
+    /// reaches, the kernels are widened until one does; weight 0 = there are no splats at all.
+    SplatSum evaluate(Vec2f x, std::span<const Vec3f> values) const;
 
  private:
     static constexpr std::size_t kHome =
@@ -87,8 +98,8 @@ class LocalField {
     bool is_placed(const Unfolded& from, Vec2f own, Vec2f here) const;
     void add_splats(const Unfolded& from, double border);
     void build_bins();
-    SplatSum evaluate_wide(Vec2f x, std::span<const Vec3f> values,
-                           std::span<const std::uint8_t> skip) const;
+    std::size_t cell_at(Vec2f x) const;
+    SplatSum evaluate_wide(Vec2f x, std::span<const Vec3f> values) const;
 
     SplatScene scene_;
     Index triangle_ = kInvalidIndex;

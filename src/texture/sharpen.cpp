@@ -21,47 +21,98 @@ struct SquaredError {
     std::uint64_t count = 0;
 };
 
-Vec3f value_or(const SplatSum& s, Vec3f otherwise) {
-    return s.weight > 0.0F ? s.sum / s.weight : otherwise;
-}
+// R as a sparse matrix: which splats reach each item that is not hidden, with what weights. Kept in
+// the chunks that it was made in.
+class Splatting {
+ public:
+    Splatting(const SplatScene& scene, const Context& context) : context_(context) {
+        const std::size_t num_triangles = scene.mesh.triangles.size();
+        chunks_.resize((num_triangles + kGrain - 1) / kGrain);
+        parallel_for(context, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
+            LocalField field(scene);
+            for (std::size_t t = begin; t < end; ++t)
+                add_rows(scene, static_cast<Index>(t), field, chunks_[begin / kGrain]);
+        });
+    }
+
+    // visit(item, R(g) at the item) for all; `skip` (may be empty) leaves items out of the sums.
+    // Items that no other splat reaches are passed over. Sums what visit returns.
+    template <class Visit>
+    SquaredError apply(const std::vector<Vec3f>& g, std::span<const std::uint8_t> skip,
+                       Visit&& visit) const {
+        const auto map = [&](std::size_t begin, std::size_t) {
+            SquaredError error;
+            for (const Row& row : chunks_[begin].rows) {
+                Vec3f sum{};
+                float weight = 0.0F;
+                for (std::size_t k = row.begin; k < row.end; ++k) {
+                    const Entry& e = chunks_[begin].entries[k];
+                    if (!skip.empty() && skip[e.item] != 0) continue;
+                    sum += g[e.item] * e.weight;
+                    weight += e.weight;
+                }
+                if (weight > 0.0F) visit(row.item, sum / weight, error);
+            }
+            return error;
+        };
+        return parallel_reduce(context_, chunks_.size(), 1, SquaredError{}, map,
+                               [](SquaredError a, SquaredError b) {
+                                   return SquaredError{a.sum + b.sum, a.count + b.count};
+                               });
+    }
+
+ private:
+    struct Entry {
+        Index item;
+        float weight;
+    };
+    struct Row {
+        Index item;
+        std::size_t begin, end;
+    };
+    struct Chunk {
+        std::vector<Row> rows;
+        std::vector<Entry> entries;
+    };
+
+    static void add_rows(const SplatScene& scene, Index triangle, LocalField& field, Chunk& chunk) {
+        const std::span<const Footprint> own = scene.prints.of(triangle);
+        if (own.empty()) return;
+        field.gather(triangle, 0.0);
+        for (std::size_t k = 0; k < own.size(); ++k) {
+            if (own[k].hidden) continue;
+            const std::size_t begin = chunk.entries.size();
+            field.for_each_weight(own[k].center, [&](Index item, float weight) {
+                chunk.entries.push_back({item, weight});
+            });
+            chunk.rows.push_back({scene.prints.begin[triangle] + static_cast<Index>(k), begin,
+                                  chunk.entries.size()});
+        }
+    }
+
+    const Context& context_;
+    std::vector<Chunk> chunks_;
+};
 
 // One round: next = g + (c - R(g)) for all items kept. Returns the error of R(g) at the items left
 // out.
-SquaredError round(const SplatScene& scene, MapKind kind, const std::vector<Vec3f>& c,
+SquaredError round(const Splatting& splatting, MapKind kind, const std::vector<Vec3f>& c,
                    const std::vector<Vec3f>& g, std::span<const std::uint8_t> skip,
-                   std::vector<Vec3f>& next, const Context& context) {
-    const auto map = [&](std::size_t begin, std::size_t end) {
-        LocalField field(scene);
-        SquaredError error;
-        for (std::size_t t = begin; t < end; ++t) {
-            const auto triangle = static_cast<Index>(t);
-            const std::span<const Footprint> own = scene.prints.of(triangle);
-            if (own.empty()) continue;
-            field.gather(triangle, 0.0);
-            for (std::size_t k = 0; k < own.size(); ++k) {
-                const std::size_t item = scene.prints.begin[triangle] + k;
-                if (own[k].hidden) continue;
-                const Vec3f r = value_or(field.evaluate(own[k].center, g, skip), c[item]);
-                if (!skip.empty() && skip[item]) {
-                    const Vec3f d = to_steps(kind, r) - to_steps(kind, c[item]);
-                    error.sum += static_cast<double>(squared_length(d));
-                    ++error.count;
-                } else {
-                    next[item] = g[item] + (c[item] - r);
-                }
-            }
+                   std::vector<Vec3f>& next) {
+    return splatting.apply(g, skip, [&](Index item, Vec3f r, SquaredError& error) {
+        if (!skip.empty() && skip[item] != 0) {
+            const Vec3f d = to_steps(kind, r) - to_steps(kind, c[item]);
+            error.sum += static_cast<double>(squared_length(d));
+            ++error.count;
+        } else {
+            next[item] = g[item] + (c[item] - r);
         }
-        return error;
-    };
-    return parallel_reduce(context, scene.mesh.triangles.size(), kGrain, SquaredError{}, map,
-                           [](SquaredError a, SquaredError b) {
-                               return SquaredError{a.sum + b.sum, a.count + b.count};
-                           });
+    });
 }
 
 // Rounds of sharpening that predict the left-out items best.
-int choose_rounds(const SplatScene& scene, MapKind kind, const std::vector<Vec3f>& c,
-                  std::span<const std::uint64_t> rows, const Context& context) {
+int choose_rounds(const Splatting& splatting, MapKind kind, const std::vector<Vec3f>& c,
+                  std::span<const std::uint64_t> rows) {
     std::vector<std::uint8_t> skip(c.size());
     for (std::size_t i = 0; i < skip.size(); ++i)
         skip[i] = hash64(rows[i]) % kLeaveOut == 0 ? 1 : 0;
@@ -69,7 +120,7 @@ int choose_rounds(const SplatScene& scene, MapKind kind, const std::vector<Vec3f
     int best = 0;
     double lowest = 0.0;
     for (int r = 0; r <= kMaxRounds; ++r) {
-        const SquaredError error = round(scene, kind, c, g, skip, next, context);
+        const SquaredError error = round(splatting, kind, c, g, skip, next);
         if (error.count == 0) return 0;
         const double mean = error.sum / static_cast<double>(error.count);
         if (r > 0 && !(mean < lowest * static_cast<double>(kMinGain))) break;
@@ -83,10 +134,11 @@ int choose_rounds(const SplatScene& scene, MapKind kind, const std::vector<Vec3f
 
 Sharpened sharpen(const SplatScene& scene, MapKind kind, std::vector<Vec3f> values,
                   std::span<const std::uint64_t> rows, const Context& context) {
-    Sharpened out{values, choose_rounds(scene, kind, values, rows, context)};
+    const Splatting splatting(scene, context);
+    Sharpened out{values, choose_rounds(splatting, kind, values, rows)};
     std::vector<Vec3f> next = values;
     for (int r = 0; r < out.rounds; ++r) {
-        round(scene, kind, values, out.values, {}, next, context);
+        round(splatting, kind, values, out.values, {}, next);
         out.values.swap(next);
     }
     return out;
