@@ -277,13 +277,6 @@ void drop_extra(const std::vector<Edge>& crowded, const Fans& fans, FacetSurface
     surface = std::move(rest);
 }
 
-bool is_closed(const FacetSurface& surface) {
-    for (const auto& mates : surface.mates)
-        for (Index mate : mates)
-            if (mate == kInvalidIndex) return false;
-    return true;
-}
-
 }  // namespace
 
 FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& inside,
@@ -307,28 +300,23 @@ FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& insi
     return surface;
 }
 
-IndexedSurface split_fans(const Tetrahedra& tets, FacetSurface surface, const Context& context) {
-    const bool closed = is_closed(surface);
+IndexedSurface split_fans(const Tetrahedra& tets, FacetSurface surface, bool is_open,
+                          const Context& context) {
     for (int round = 0;; ++round) {
         const auto points_of = triangles_of(tets, surface.facets, context);
         const auto around = vertex_triangles(tets.num_real(), points_of);
         Fans fans = number_fans(tets, surface, points_of, around, context);
         const std::vector<Edge> crowded = find_crowded(tets, points_of, around, fans, context);
-        if (crowded.empty()) {
-            Index used = 0;
-            for (Index v = 0; v < tets.num_real(); ++v) used += around.of(v).empty() ? 0 : 1;
-            const auto copies = static_cast<Index>(fans.vertex_points.size()) - used;
-            return {std::move(fans.vertex_points), std::move(fans.triangles), copies};
-        }
-        if (closed && round == kRepairRounds)
+        if (crowded.empty()) return {std::move(fans.vertex_points), std::move(fans.triangles)};
+        if (!is_open && round == kRepairRounds)
             fail(ErrorCode::kDegenerate,
                  "the watertight surface touches itself along {} edges and cannot be taken apart; "
                  "try --surface open",
                  crowded.size());
-        if (closed)
-            pair_anew(crowded, fans, surface);
-        else
+        if (is_open)
             drop_extra(crowded, fans, surface);
+        else
+            pair_anew(crowded, fans, surface);
     }
 }
 

@@ -19,7 +19,6 @@ struct FacetSurface {
 struct IndexedSurface {
     std::vector<Index> vertex_points;  ///< real point under each vertex, ascending
     std::vector<Triangle> triangles;
-    Index num_split_vertices = 0;  ///< copies made of points with more than one fan
 };
 
 /// The boundary of the inside cells: closed and oriented outwards. `inside` is changed where an
@@ -29,7 +28,9 @@ FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& insi
                          const Context& context);
 
 /// One vertex per fan of facets: 2-manifold. Where the mates leave an edge of the index mesh with
-/// more than two triangles, they are paired anew, or facets are left out if the surface is open.
-IndexedSurface split_fans(const Tetrahedra& tets, FacetSurface surface, const Context& context);
+/// more than two triangles, facets are left out if the surface `is_open`; a closed one has them
+/// paired anew.
+IndexedSurface split_fans(const Tetrahedra& tets, FacetSurface surface, bool is_open,
+                          const Context& context);
 
 }  // namespace pointbake

@@ -17,7 +17,9 @@ constexpr double kReach = 1.5;
 // Facets that continue the surface within 30 degrees come first, the smallest first; then those
 // that bend less, up to 75 degrees.
 constexpr double kSmoothCos = 0.8660254037844386, kLeastCos = 0.25881904510252074;
-constexpr std::size_t kPollInterval = 1U << 16;
+// Steps along a border after which two edges of it count as lying on two borders.
+constexpr int kLongestWalk = 4096;
+constexpr std::size_t kPollInterval = 1U << 10;
 
 class Front {
  public:
@@ -30,11 +32,14 @@ class Front {
         for (Index t = 0; t < surface_.facets.size(); ++t)
             for (Index mate : surface_.mates[t])
                 if (mate != kInvalidIndex) unite(t, mate / 3);
-        for (Index e = 0; e < 3 * surface_.facets.size(); ++e)
-            if (mate(e) == kInvalidIndex) push(e);
     }
 
     void run(const Context& context) {
+        const auto num_edges = static_cast<Index>(3 * surface_.facets.size());
+        for (Index e = 0; e < num_edges; ++e) {
+            if (e % kPollInterval == 0) check_cancelled(context);
+            if (mate(e) == kInvalidIndex) push(e);
+        }
         for (std::size_t n = 0; !queue_.empty(); ++n) {
             if (n % kPollInterval == 0) check_cancelled(context);
             const Offer offer = queue_.top();
@@ -97,17 +102,22 @@ class Front {
     }
 
     bool on_one_loop(Index x, Index y) const {
-        for (Index p = next_border(x), q = next_border(y);;
-             p = next_border(p), q = next_border(q)) {
+        Index p = x, q = y;
+        for (int step = 0; step < kLongestWalk; ++step) {
+            p = next_border(p), q = next_border(q);
             if (p == y || q == x) return true;
             if (p == x || q == y) return false;
         }
+        return false;
     }
 
     // Whether `first` comes before `second` on the way along the border from `edge`.
     bool in_order(Index edge, Index first, Index second) const {
-        for (Index p = next_border(edge); p != edge && p != second; p = next_border(p))
-            if (p == first) return true;
+        Index p = edge;
+        for (int step = 0; step < kLongestWalk; ++step) {
+            p = next_border(p);
+            if (p == first || p == second || p == edge) return p == first;
+        }
         return false;
     }
 
@@ -160,13 +170,18 @@ class Front {
         const Index a = own[edge % 3], b = own[(edge % 3 + 1) % 3];
         const std::size_t start = v[0] == b ? 0 : (v[1] == b ? 1 : 2);
         const Index w = v[(start + 2) % 3];
+        Index own_edge = kInvalidIndex;
+        if (!find_joint(b, a, own_edge) || own_edge != edge) return std::nullopt;
         Joints joints{start, kInvalidIndex, kInvalidIndex};
         if (!find_joint(a, w, joints.after) || !find_joint(w, b, joints.before))
             return std::nullopt;
         if (joints.after == kInvalidIndex && joints.before == kInvalidIndex &&
             first_corner_[w] != kInvalidIndex && !is_on_border(w))
             return std::nullopt;
-        if (makes_handle(edge, joints)) return std::nullopt;
+        const bool is_back_to_back = joints.after != kInvalidIndex &&
+                                     joints.before != kInvalidIndex &&
+                                     joints.after / 3 == joints.before / 3;
+        if (is_back_to_back || makes_handle(edge, joints)) return std::nullopt;
         return joints;
     }
 

@@ -3,6 +3,7 @@
 #include "reconstruct/holes.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/adjacency.h"
 #include "core/parallel.h"
@@ -14,8 +15,8 @@ namespace {
 constexpr std::size_t kMostEdges = 64;
 // Longest edge across a hole, in the mean spacing of its ends.
 constexpr double kReach = 6.0;
-// A loop of a piece with fewer triangles per border edge is its rim, not a hole in it.
-constexpr std::size_t kLeastTrianglesPerEdge = 4;
+// A loop whose filling has more of its piece's area is the piece's rim, not a hole in it.
+constexpr double kMostArea = 0.25;
 
 // How bad a triangulation is: the sharpest bend, then the area.
 struct Weight {
@@ -34,20 +35,24 @@ double bend(Vec3d m, Vec3d n) {
     return lengths > 0.0 ? -dot(m, n) / lengths : 1.0;
 }
 
-// A loop of vertices with the hole to its left, i.e. against the border's own direction, and the
-// normals of the triangles behind its edges (i to i + 1).
+// Vertices of a border, with the hole to the left: against the border's own direction.
+struct Loop {
+    std::vector<Index> vertices;
+    double piece_area = 0.0;
+};
+
 class Hole {
  public:
     Hole(std::span<const Vec3d> points, std::span<const float> spacing,
-         const VertexTriangles& around, const std::vector<Triangle>& triangles,
-         std::span<const Index> loop)
+         const VertexTriangles& around, const std::vector<Triangle>& triangles, const Loop& loop)
         : points_(points),
           spacing_(spacing),
           around_(around),
           triangles_(triangles),
-          loop_(loop),
-          weights_(loop.size() * loop.size(), kNever),
-          middles_(loop.size() * loop.size(), 0) {}
+          loop_(loop.vertices),
+          most_area_(kMostArea * loop.piece_area),
+          weights_(loop_.size() * loop_.size(), kNever),
+          middles_(loop_.size() * loop_.size(), 0) {}
 
     // Nothing if the hole should stay open.
     std::vector<Triangle> fill() {
@@ -56,7 +61,7 @@ class Hole {
         for (std::size_t length = 2; length < n; ++length)
             for (std::size_t i = 0; i + length < n; ++i) find_middle(i, i + length);
         std::vector<Triangle> out;
-        if (weights_[n - 1] < kNever) list(0, n - 1, out);
+        if (weights_[n - 1].area <= most_area_) list(0, n - 1, out);
         return out;
     }
 
@@ -82,7 +87,8 @@ class Hole {
     bool is_free(std::size_t i, std::size_t k) const {
         if (k == i + 1 || (i == 0 && k + 1 == loop_.size())) return true;
         const double reach = 0.5 * kReach * (spacing_[loop_[i]] + spacing_[loop_[k]]);
-        if (squared_length(point(i) - point(k)) > reach * reach) return false;
+        const double length2 = squared_length(point(i) - point(k));
+        if (length2 == 0.0 || length2 > reach * reach) return false;  // 0: copies of one point
         for (Index t : around_.of(loop_[i])) {
             const Triangle& v = triangles_[t];
             if (std::find(v.begin(), v.end(), loop_[k]) != v.end()) return false;
@@ -122,37 +128,44 @@ class Hole {
     const VertexTriangles& around_;
     const std::vector<Triangle>& triangles_;
     std::span<const Index> loop_;
+    double most_area_;
     std::vector<Weight> weights_;  // per pair i < k of the loop's vertices
     std::vector<std::size_t> middles_;
 };
 
-// The short loops, against the border's direction. Each vertex lies on one border at most.
-std::vector<std::vector<Index>> find_loops(const IndexedSurface& surface) {
+double area_of(std::span<const Vec3d> points, const Triangle& t) {
+    return 0.5 * length(cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]));
+}
+
+// The short loops. Each vertex lies on one border at most.
+std::vector<Loop> find_loops(std::span<const Vec3d> points, const IndexedSurface& surface) {
     const auto neighbors = triangle_neighbors(surface.triangles);
     const Pieces pieces = find_pieces(neighbors);
     std::vector<Index> before(surface.vertex_points.size(), kInvalidIndex);
-    std::vector<std::size_t> most_edges(before.size(), 0);
+    std::vector<double> piece_areas(before.size(), 0.0);
     for (std::size_t p = 0; p < pieces.size(); ++p) {
+        double area = 0.0;
+        for (Index t : pieces.of(p)) area += area_of(points, surface.triangles[t]);
         for (Index t : pieces.of(p)) {
             const Triangle& v = surface.triangles[t];
             for (std::size_t k = 0; k < 3; ++k) {
                 if (neighbors[t][k] != kInvalidIndex) continue;
                 before[v[(k + 1) % 3]] = v[k];
-                most_edges[v[k]] =
-                    std::min(kMostEdges, pieces.of(p).size() / kLeastTrianglesPerEdge);
+                piece_areas[v[k]] = area;
             }
         }
     }
-    std::vector<std::vector<Index>> loops;
+    std::vector<Loop> loops;
     for (Index first = 0; first < before.size(); ++first) {
         if (before[first] == kInvalidIndex) continue;
-        std::vector<Index> loop;
+        Loop loop{{}, piece_areas[first]};
         for (Index v = first; v != kInvalidIndex;) {
-            if (loop.size() <= kMostEdges + 1) loop.push_back(v);
+            if (loop.vertices.size() <= kMostEdges + 1) loop.vertices.push_back(v);
             v = std::exchange(before[v], kInvalidIndex);
         }
-        loop.pop_back();  // `first` comes at both ends
-        if (loop.size() >= 3 && loop.size() <= most_edges[first]) loops.push_back(std::move(loop));
+        loop.vertices.pop_back();  // `first` comes at both ends
+        if (loop.vertices.size() >= 3 && loop.vertices.size() <= kMostEdges)
+            loops.push_back(std::move(loop));
     }
     return loops;
 }
@@ -161,7 +174,7 @@ std::vector<std::vector<Index>> find_loops(const IndexedSurface& surface) {
 
 void fill_holes_in_place(std::span<const Vec3d> points, std::span<const float> spacing,
                          IndexedSurface& surface, const Context& context) {
-    const auto loops = find_loops(surface);
+    const std::vector<Loop> loops = find_loops(points, surface);
     const auto around = vertex_triangles(surface.vertex_points.size(), surface.triangles);
     std::vector<std::vector<Triangle>> fills(loops.size());
     parallel_for(context, loops.size(), 1, [&](std::size_t i, std::size_t) {

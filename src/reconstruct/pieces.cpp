@@ -6,11 +6,12 @@
 namespace pointbake {
 namespace {
 
-// Pieces with fewer triangles are leftovers unless most of their points lie on no larger piece.
+// Pieces with fewer triangles are leftovers unless more than half of their points lie on no larger
+// piece; those with fewer still always are.
 constexpr std::size_t kLargePiece = 12, kMinPiece = 4;
 // Pieces with at most so many triangles are flakes if most of their points have a Delaunay
-// neighbour on a larger piece within so many spacings: what is left where two sheets are closer
-// than the points of either.
+// neighbour on a larger piece within so many spacings: most often what is left where two sheets are
+// closer than the points of either.
 constexpr std::size_t kLargestFlake = 128;
 constexpr double kFlakeReach = 1.5;
 

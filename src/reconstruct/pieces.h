@@ -21,9 +21,9 @@ struct Pieces {
 /// In the order of their first triangles. `neighbors[t][k]` is any triangle or kInvalidIndex.
 Pieces find_pieces(std::span<const std::array<Index, 3>> neighbors);
 
-/// Per piece whether it stays, from the largest down: neither a leftover (few triangles, most
-/// points on larger pieces) nor a flake (most points next to a larger piece, nearer than the
-/// points of either lie from each other). Triangles over the points of `tets`. The largest stays.
+/// Per piece whether it stays, from the largest down: neither a leftover (a few triangles, half of
+/// their points on larger pieces) nor a flake (small, most points within 1.5 spacings of a larger
+/// piece). Triangles over the points of `tets`. The largest stays.
 std::vector<std::uint8_t> choose_pieces(const Tetrahedra& tets, std::span<const float> spacing,
                                         std::span<const Triangle> triangles, const Pieces& pieces);
 

@@ -190,9 +190,14 @@ class Stage {
             fail(ErrorCode::kDegenerate,
                  "no surface found through the {} points: they are too sparse or too noisy",
                  tets_.num_real());
-        IndexedSurface indexed = split_fans(tets_, std::move(surface), context_);
-        drop_flakes(tets_, cocone.spacing, indexed);
-        fill_holes(tets_, cocone.spacing, indexed, context_);
+        const bool is_open = report_.surface == Surface::kOpen;
+        IndexedSurface indexed = split_fans(tets_, std::move(surface), is_open, context_);
+        if (indexed.triangles.empty())
+            fail(ErrorCode::kDegenerate, "the surface found touches itself everywhere");
+        if (is_open) {
+            drop_flakes(tets_, cocone.spacing, indexed);
+            fill_holes(tets_, cocone.spacing, indexed, context_);
+        }
         const auto& of = indexed.vertex_points;
         report_.num_split_vertices = static_cast<Index>(std::inner_product(
             of.begin() + 1, of.end(), of.begin(), 0, std::plus<>(), std::equal_to<>()));

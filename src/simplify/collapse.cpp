@@ -29,24 +29,28 @@ constexpr double kMinSweepGain = 0.02;
 constexpr std::size_t kBlockSize = 8192;
 
 // What an edge is tried as, one after the other: a collapse by all rules, one that may make
-// needles, one that may turn triangles over, and the removal of the whole part, if it is tiny. Each
-// step makes the edge dearer, so that a rule gives way where keeping it would cost far more
-// elsewhere. Under a bound all rules hold.
-constexpr std::array kPenalties{1.0F, 16.0F, 256.0F, 16.0F};
+// needles, one that may turn triangles over, and the removal of the whole part, if it is tiny. A
+// collapse is the dearer the fewer rules it keeps, so that a rule gives way where keeping it would
+// cost far more elsewhere; a removal has its own price. Under a bound all rules hold.
+constexpr std::array kPenalties{1.0F, 16.0F, 256.0F, 1.0F};
 constexpr std::size_t kRemoval = kPenalties.size() - 1;
 // Parts of more triangles are never removed.
 constexpr std::size_t kLargestPart = 64;
 // Error of leaving a part out, per squared area: as if it lay a quarter of its size off the rest.
 constexpr double kRemovalError = 0.06;
 
-// An edge as seen from its lower vertex, and what it is to be tried as.
+// An edge as seen from its lower vertex.
 struct Candidate {
     float cost = HUGE_VALF;
     Index other = kInvalidIndex;
-    std::size_t attempt = 0;
     friend bool operator<(const Candidate& x, const Candidate& y) {
         return x.cost != y.cost ? x.cost < y.cost : x.other < y.other;
     }
+};
+// An edge at the price of what it is to be tried as.
+struct Attempt {
+    Candidate edge;
+    std::uint8_t kind = 0;  // into kPenalties
 };
 // Below every candidate.
 constexpr Candidate kNothingRefused{-1.0F, 0};
@@ -91,8 +95,10 @@ class Collapser {
             limits_.progress_begin + (limits_.progress_end - limits_.progress_begin) * done);
     }
 
-    Candidate next_attempt(Index v, Index w) const;
-    Candidate best_edge(Index v) const;
+    Attempt next_attempt(Index v, Index w) const;
+    Attempt best_edge(Index v) const;
+
+    void forget_refusals(Index v);
 
     void sweep_while_many();
     CollapseCounts sweep(std::size_t offset);
@@ -101,7 +107,7 @@ class Collapser {
     float sweep_threshold(const std::vector<Index>& alive) const;
 
     void pass_until_stuck();
-    void enqueue(Index v, Candidate best);
+    void enqueue(Index v, Attempt best);
     void fill_queue();
     void drain_queue();
     bool try_collapse(Index a);
@@ -115,7 +121,7 @@ class Collapser {
     CollapseOrder order_;
     std::vector<std::uint8_t> marks_;
     CollapseJudge judge_;
-    std::vector<Candidate> best_;       // per vertex
+    std::vector<Attempt> best_;         // per vertex
     std::vector<Refusals> refused_;     // per vertex and attempt: edges up to this were refused
     std::vector<float> removal_costs_;  // per vertex, if known to be above the edge's
     std::size_t num_attempts_ = 1;
@@ -144,23 +150,23 @@ CollapseCounts sum(CollapseCounts a, const CollapseCounts& b) {
     return a;
 }
 
-// The edge with the penalty of the first attempt that was not refused to it.
-Candidate Collapser::next_attempt(Index v, Index w) const {
-    Candidate c{order_.cost(v, w), w};
-    while (c.attempt < num_attempts_ && !(refused_[v][c.attempt] < c)) ++c.attempt;
-    if (c.attempt == num_attempts_) return {};
-    c.cost *= kPenalties[c.attempt];
-    if (c.attempt == kRemoval) c.cost = std::max(c.cost, removal_costs_[v]);
-    return c;
+// The edge at the price of the first kind of attempt that was not refused to it.
+Attempt Collapser::next_attempt(Index v, Index w) const {
+    Attempt a{{order_.cost(v, w), w}};
+    while (a.kind < num_attempts_ && !(refused_[v][a.kind] < a.edge)) ++a.kind;
+    if (a.kind == num_attempts_) return {};
+    a.edge.cost *= kPenalties[a.kind];
+    if (a.kind == kRemoval) a.edge.cost = std::max(a.edge.cost, removal_costs_[v]);
+    return a;
 }
 
 // The cheapest edge to a higher vertex: each edge waits at its lower one.
-Candidate Collapser::best_edge(Index v) const {
-    Candidate best;
+Attempt Collapser::best_edge(Index v) const {
+    Attempt best;
     const auto offer = [&](Index w) {
         if (w < v || !order_.is_movable(v, w)) return;
-        const Candidate c = next_attempt(v, w);
-        if (c < best) best = c;
+        const Attempt a = next_attempt(v, w);
+        if (a.edge < best.edge) best = a;
     };
     // Around an interior vertex every neighbour comes after it once.
     const bool is_interior = surface_.kinds[v] == VertexKind::kInterior;
@@ -169,6 +175,11 @@ Candidate Collapser::best_edge(Index v) const {
         if (!is_interior) offer(surface_.before(c));
     });
     return best;
+}
+
+void Collapser::forget_refusals(Index v) {
+    refused_[v] = kNoRefusals;
+    removal_costs_[v] = 0.0F;
 }
 
 void Collapser::sweep_while_many() {
@@ -189,7 +200,7 @@ void Collapser::sweep_while_many() {
 float Collapser::sweep_threshold(const std::vector<Index>& alive) const {
     std::vector<float> costs;
     for (Index v : alive) {
-        if (best_[v].other != kInvalidIndex) costs.push_back(best_[v].cost);
+        if (best_[v].edge.other != kInvalidIndex) costs.push_back(best_[v].edge.cost);
     }
     if (costs.empty()) return 0.0F;
     const auto rank = static_cast<std::ptrdiff_t>(kSweepShare * static_cast<double>(costs.size()));
@@ -239,10 +250,10 @@ void Collapser::sweep_block(Index begin, Index end, float threshold, CollapseCou
     CollapseJudge judge(surface_, attribution_, marks_, limits_.squared_distance);
     for (Index v = begin; v < end; ++v) {
         if (surface_.first_corners[v] == kInvalidIndex) continue;
-        Candidate best = best_[v];
+        Candidate best = best_[v].edge;
         if (!changed_[v] && best.cost > threshold) continue;
         if (!is_within(v, begin, end)) continue;
-        if (changed_[v]) best = best_edge(v);
+        if (changed_[v]) best = best_edge(v).edge;
         if (best.cost > threshold || best.other == kInvalidIndex ||
             !is_within(best.other, begin, end))
             continue;
@@ -257,12 +268,12 @@ void Collapser::sweep_block(Index begin, Index end, float threshold, CollapseCou
         }
         counts.num_triangles_removed += judge.apply(a, b, target);
         order_.merge(a, b);
-        refused_[a] = kNoRefusals;
+        forget_refusals(a);
         best_[b] = {};
         surface_.for_each_corner(a, [&](Index c) {
             for (Index w : surface_.triangles[c / 3]) {
                 changed_[w] = 1;
-                refused_[w] = kNoRefusals;
+                forget_refusals(w);
             }
         });
     }
@@ -279,12 +290,12 @@ void Collapser::pass_until_stuck() {
     } while (!is_done() && counts_.num_collapses > before);
 }
 
-void Collapser::enqueue(Index v, Candidate best) {
+void Collapser::enqueue(Index v, Attempt best) {
     best_[v] = best;
-    if (best.other == kInvalidIndex)
+    if (best.edge.other == kInvalidIndex)
         heap_.remove(v);
     else
-        heap_.set(v, best.cost);
+        heap_.set(v, best.edge.cost);
 }
 
 // Takes up all vertices around which something changed.
@@ -301,7 +312,7 @@ void Collapser::fill_queue() {
                 }
             });
             if (!is_due[v]) continue;
-            refused_[v] = kNoRefusals;
+            forget_refusals(v);
             best_[v] = best_edge(v);
         }
     });
@@ -319,7 +330,7 @@ void Collapser::drain_queue() {
             report();
         }
         const Index a = heap_.top().id;
-        const bool is_over = best_[a].attempt == kRemoval ? try_removal(a) : try_collapse(a);
+        const bool is_over = best_[a].kind == kRemoval ? try_removal(a) : try_collapse(a);
         if (!is_over) enqueue(a, best_edge(a));
     }
 }
@@ -328,8 +339,9 @@ void Collapser::drain_queue() {
 bool Collapser::try_collapse(Index a) {
     constexpr std::array kStrictness{Strictness::kFull, Strictness::kShapeFree,
                                      Strictness::kTopologyOnly};
-    const auto [cost, b, attempt] = best_[a];
-    judge_.strictness = kStrictness[attempt];
+    const Index b = best_[a].edge.other;
+    const std::size_t kind = best_[a].kind;
+    judge_.strictness = kStrictness[kind];
     Vec3d target = order_.placement(a, b);
     Verdict verdict = judge_.judge(a, b, target);
     // Where the best place is refused, one of the vertices may stay where it is. It costs more
@@ -343,7 +355,7 @@ bool Collapser::try_collapse(Index a) {
     }
     count(verdict, counts_);
     if (verdict != Verdict::kLegal) {
-        refused_[a][attempt] = {order_.cost(a, b), b};
+        refused_[a][kind] = {order_.cost(a, b), b};
         return false;
     }
     surface_.num_triangles -= judge_.apply(a, b, target);
@@ -370,7 +382,7 @@ bool Collapser::try_removal(Index a) {
         });
     }
     for (Index v : part_) is_in_part_[v] = 0;
-    const Candidate tried = best_[a];
+    const Candidate tried = best_[a].edge;
     const auto cost = static_cast<float>(kRemovalError * area * area);
     if (num_corners > 3 * kLargestPart || surface_.num_triangles * 3 <= num_corners) {
         refused_[a][kRemoval] = {order_.cost(a, tried.other), tried.other};
@@ -395,20 +407,19 @@ bool Collapser::try_removal(Index a) {
 // Vertex b became a: edges at a have new costs, edges at b are gone.
 void Collapser::update_queue(Index a, Index b) {
     enqueue(b, {});
-    refused_[a] = kNoRefusals;
+    forget_refusals(a);
     changed_[a] = 1;
     collect_edges(surface_, a, edges_);
     for (const EdgeUse& e : edges_) {
         const Index n = e.neighbor;
         changed_[n] = 1;
-        if (best_[n].other == a || best_[n].other == b) {
+        const Candidate c{n < a ? order_.cost(n, a) : HUGE_VALF, a};
+        // Edges refused above the new one get a second chance with it.
+        if (n < a && !(refused_[n][0] < c)) forget_refusals(n);
+        if (best_[n].edge.other == a || best_[n].edge.other == b)
             enqueue(n, best_edge(n));
-        } else if (n < a) {
-            const Candidate c{order_.cost(n, a), a};
-            // Refused edges above the new one get a second chance with it.
-            if (!(refused_[n][0] < c)) refused_[n] = kNoRefusals;
-            if (c < best_[n]) enqueue(n, c);
-        }
+        else if (c < best_[n].edge)
+            enqueue(n, {c});
     }
     enqueue(a, best_edge(a));
 }

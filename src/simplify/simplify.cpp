@@ -207,7 +207,7 @@ FitMesh make_light(Surface& surface, Attribution& attribution, const SimplifyOpt
         report.num_parts_removed += drop_smallest_parts(surface, attribution, options.triangles);
     if (report.num_parts_removed > 0)
         log(context, LogLevel::kWarning,
-            "{} triangles cannot hold all parts of the surface: the tiniest were left out ({})",
+            "{} triangles serve the surface best without its tiniest parts: {} left out",
             options.triangles, report.num_parts_removed);
     if (options.triangles > 0 && surface.num_triangles > options.triangles)
         fail(ErrorCode::kLimit,

@@ -119,7 +119,9 @@ std::vector<float> spread_reach(const Footprints& prints,
     std::vector<float> reach(num_triangles, 0.0F);
     for (Index t = 0; t < num_triangles; ++t) {
         for (const Footprint& f : prints.of(t)) {
-            reach[t] = std::max(reach[t], cut * std::sqrt(std::max(f.vxx, f.vyy)));
+            const float mean = 0.5F * (f.vxx + f.vyy), half = 0.5F * (f.vxx - f.vyy);
+            const float largest = mean + std::sqrt(half * half + f.vxy * f.vxy);
+            reach[t] = std::max(reach[t], cut * std::sqrt(largest));
         }
     }
     constexpr int kRounds = 3;  // far enough: further neighbours' splats do not get here

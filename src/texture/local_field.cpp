@@ -15,6 +15,8 @@ constexpr float kMinWeight = 1e-5F;  // below, a place counts as not covered
 constexpr int kMaxCells = 64;        // per side of the bin grid
 // An unfolded splat is dropped if it seems nearer to the triangle than this share of what it is.
 constexpr double kLeastDistance = 0.95;
+constexpr double kRounding =
+    1e-5;  // of the triangle's base: places on its border are single floats
 
 }  // namespace
 
@@ -131,10 +133,9 @@ Vec2d LocalField::nearest_home(Vec2d x) const {
 bool LocalField::is_placed(const Unfolded& from, Vec2f own, Vec2f here) const {
     const Vec2d x = vec_cast<double>(here), home = nearest_home(x);
     const double distance = length(x - home);
-    if (distance == 0.0) return false;
     const TriangleFrame& theirs = scene_.shell.frame(from.triangle);
     const TriangleFrame& ours = scene_.shell.frame(triangle_);
-    return distance >=
+    return distance + kRounding * ours.base() >=
            kLeastDistance * length(theirs.place(vec_cast<double>(own)) - ours.place(home));
 }
 
@@ -145,7 +146,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
     const auto grow = static_cast<float>(border);
     const float width = static_cast<float>(home.base()) + grow,
                 height = static_cast<float>(home.height()) + grow;
-    const float far = scene_.prints.reach[triangle_];  // no splat around here is larger
+    const float far = scene_.prints.reach[triangle_];  // the largest splat around here
     const Index first = scene_.prints.begin[from.triangle];
     const std::span<const Footprint> prints = scene_.prints.of(from.triangle);
     for (std::size_t i = 0; i < prints.size(); ++i) {

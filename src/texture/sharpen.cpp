@@ -32,20 +32,22 @@ class Splatting {
             LocalField field(scene);
             for (std::size_t t = begin; t < end; ++t)
                 add_rows(scene, static_cast<Index>(t), field, chunks_[begin / kGrain]);
+            chunks_[begin / kGrain].entries.shrink_to_fit();
         });
     }
 
-    // visit(item, R(g) at the item) for all; `skip` (may be empty) leaves items out of the sums.
-    // Items that no other splat reaches are passed over. Sums what visit returns.
+    // visit(item, R(g) at the item, error) for all; `skip` (may be empty) leaves items out of the
+    // sums: those of them that no other splat reaches are passed over. Returns the summed errors.
     template <class Visit>
     SquaredError apply(const std::vector<Vec3f>& g, std::span<const std::uint8_t> skip,
                        Visit&& visit) const {
         const auto map = [&](std::size_t begin, std::size_t) {
             SquaredError error;
+            Index k = 0;
             for (const Row& row : chunks_[begin].rows) {
                 Vec3f sum{};
                 float weight = 0.0F;
-                for (std::size_t k = row.begin; k < row.end; ++k) {
+                for (; k < row.end; ++k) {
                     const Entry& e = chunks_[begin].entries[k];
                     if (!skip.empty() && skip[e.item] != 0) continue;
                     sum += g[e.item] * e.weight;
@@ -67,8 +69,7 @@ class Splatting {
         float weight;
     };
     struct Row {
-        Index item;
-        std::size_t begin, end;
+        Index item, end;  // its entries end there and begin where those of the row before end
     };
     struct Chunk {
         std::vector<Row> rows;
@@ -81,12 +82,11 @@ class Splatting {
         field.gather(triangle, 0.0);
         for (std::size_t k = 0; k < own.size(); ++k) {
             if (own[k].hidden) continue;
-            const std::size_t begin = chunk.entries.size();
             field.for_each_weight(own[k].center, [&](Index item, float weight) {
                 chunk.entries.push_back({item, weight});
             });
-            chunk.rows.push_back({scene.prints.begin[triangle] + static_cast<Index>(k), begin,
-                                  chunk.entries.size()});
+            chunk.rows.push_back({scene.prints.begin[triangle] + static_cast<Index>(k),
+                                  static_cast<Index>(chunk.entries.size())});
         }
     }
 

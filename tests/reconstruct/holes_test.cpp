@@ -64,26 +64,33 @@ TEST(Holes, WideOnesStayOpen) {
 }
 
 TEST(Holes, RimsOfSmallSheetsStayOpen) {
-    Sheet sheet(5, [](Vec3d) { return false; });
-    EXPECT_EQ(sheet.fill().num_boundary_loops, 1U);
-    EXPECT_EQ(sheet.surface.triangles.size(), 32U);
+    for (Index n : {5U, 7U}) {
+        Sheet sheet(n, [](Vec3d) { return false; });
+        EXPECT_EQ(sheet.fill().num_boundary_loops, 1U);
+        EXPECT_EQ(sheet.area(), (n - 1.0) * (n - 1.0));
+    }
 }
 
 TEST(Holes, NeverMakeAnEdgeOfThreeTriangles) {
-    // A square sheet over the diagonal 1-3: its rim can only be closed over 0-2.
-    std::vector<Vec3d> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    IndexedSurface surface{{}, {{0, 1, 3}, {1, 2, 3}}, 0};
-    for (int round = 0; round < 2; ++round) {
-        for (const Triangle& t : std::vector<Triangle>(std::move(surface.triangles))) {
-            const auto c = static_cast<Index>(points.size());
-            points.push_back((points[t[0]] + points[t[1]] + points[t[2]]) / 3.0);
-            for (std::size_t k = 0; k < 3; ++k)
-                surface.triangles.push_back({t[k], t[(k + 1) % 3], c});
-        }
-    }
-    surface.vertex_points.resize(points.size());
+    // Two deep pits on both sides of the edge 1-3: their common rim can only be closed over 0-2.
+    std::vector<Vec3d> points{{0, 0, 0}, {1, 0, 0},      {1, 1, 0},
+                              {0, 1, 0}, {0.3, 0.3, -4}, {0.7, 0.7, -4}};
+    IndexedSurface surface{{0, 1, 2, 3, 4, 5},
+                           {{0, 1, 4}, {1, 3, 4}, {3, 0, 4}, {1, 2, 5}, {2, 3, 5}, {3, 1, 5}}};
     fill_holes_in_place(points, std::vector<float>(points.size(), 1.0F), surface, {});
     EXPECT_TRUE(topology(points.size(), surface.triangles).is_closed_manifold());
+}
+
+TEST(Holes, CopiesOfOnePointAreNotJoined) {
+    // A hole pinched together at its middle: vertices 7 and 9 lie at one place.
+    Sheet sheet(20,
+                [](Vec3d c) { return std::fabs(c.x - 9.5) < 1.5 && std::fabs(c.y - 9.5) < 0.5; });
+    sheet.points[9 * 20 + 9] = sheet.points[10 * 20 + 9] = {9, 9.4, 0};
+    fill_holes_in_place(sheet.points, sheet.spacing, sheet.surface, {});
+    for (const Triangle& t : sheet.surface.triangles)
+        EXPECT_GT(length(cross(sheet.points[t[1]] - sheet.points[t[0]],
+                               sheet.points[t[2]] - sheet.points[t[0]])),
+                  0.0);
 }
 
 }  // namespace

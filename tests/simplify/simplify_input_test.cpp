@@ -220,6 +220,28 @@ TEST(SimplifyInput, PartsGoWhenTheBudgetCannotHoldThemAll) {
     EXPECT_EQ(code_of(over(bumpy_sphere(4, 1)), {.triangles = 3}), ErrorCode::kLimit);
 }
 
+TEST(SimplifyInput, LargePartsGoAtLast) {
+    // Two sheets with 25 holes each, which no collapse closes: the budget holds one of them.
+    constexpr Index kSide = 31;
+    Mesh mesh;
+    for (const double scale : {1.0, 2.0}) {
+        const auto base = static_cast<Index>(mesh.positions.size());
+        for (Index v = 0; v < kSide * kSide; ++v)
+            mesh.positions.push_back({scale * (v % kSide), scale * (v / kSide), 100.0 * scale});
+        for (Index v = 0; v + kSide < kSide * kSide; ++v) {
+            const Index x = v % kSide, y = v / kSide;
+            if (x == kSide - 1 || (x % 6 == 3 && y % 6 == 3)) continue;
+            const Index a = base + v;
+            mesh.triangles.push_back({a, a + 1, a + kSide + 1});
+            mesh.triangles.push_back({a, a + kSide + 1, a + kSide});
+        }
+    }
+    const SimplifyResult r = over(mesh).simplified({.triangles = 150});
+    EXPECT_LE(r.mesh.triangles.size(), 150U);
+    EXPECT_EQ(r.report.num_parts_removed, 1U);
+    for (Vec3d p : r.mesh.positions) EXPECT_NEAR(p.z, 200.0, 1e-3);
+}
+
 TEST(SimplifyInput, KeptMeshesStayAsTheyAre) {
     Input input;
     input.dense.mesh = shapes::sphere_mesh(6);
