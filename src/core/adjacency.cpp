@@ -4,6 +4,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/union_find.h"
+
 namespace pointbake {
 namespace {
 
@@ -57,21 +59,6 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Body&& body) {
     }
 }
 
-struct UnionFind {
-    std::vector<Index> parent;
-    explicit UnionFind(std::size_t n) : parent(n) {
-        std::iota(parent.begin(), parent.end(), Index{0});
-    }
-    Index find(Index i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    }
-    void unite(Index a, Index b) {
-        a = find(a), b = find(b);
-        parent[std::max(a, b)] = std::min(a, b);
-    }
-};
-
 // Vertices whose triangles form more than one fan: corners are joined across shared edges, then
 // counted per vertex.
 Index count_nonmanifold_vertices(std::size_t num_vertices, std::span<const Triangle> triangles,
@@ -88,7 +75,7 @@ Index count_nonmanifold_vertices(std::size_t num_vertices, std::span<const Trian
         }
     });
     std::vector<std::uint8_t> fans(num_vertices, 0);
-    for (Index c = 0; c < corners.parent.size(); ++c) {
+    for (Index c = 0; c < corners.size(); ++c) {
         std::uint8_t& n = fans[triangles[c / 3][c % 3]];
         if (corners.find(c) == c && n < 2) ++n;
     }

@@ -8,6 +8,7 @@
 #include <queue>
 
 #include "core/parallel.h"
+#include "core/union_find.h"
 
 namespace pointbake {
 namespace {
@@ -31,7 +32,7 @@ class Front {
         for (Index t = 0; t < surface_.facets.size(); ++t) link(t);
         for (Index t = 0; t < surface_.facets.size(); ++t)
             for (Index mate : surface_.mates[t])
-                if (mate != kInvalidIndex) unite(t, mate / 3);
+                if (mate != kInvalidIndex) pieces_.unite(t, mate / 3);
     }
 
     void run(const Context& context) {
@@ -71,7 +72,7 @@ class Front {
     Index mate(Index edge) const { return surface_.mates[edge / 3][edge % 3]; }
 
     void link(Index t) {
-        parent_.push_back(t);
+        pieces_.add();
         const Triangle v = tets_.triangle(surface_.facets[t]);
         for (Index k = 0; k < 3; ++k) {
             next_corner_.push_back(first_corner_[v[k]]);
@@ -80,17 +81,6 @@ class Front {
     }
 
     Triangle corners(Index t) const { return tets_.triangle(surface_.facets[t]); }
-
-    // The piece of a facet: the lowest facet of it, once the paths are short.
-    Index piece(Index t) {
-        while (parent_[t] != t) t = parent_[t] = parent_[parent_[t]];
-        return t;
-    }
-
-    void unite(Index s, Index t) {
-        s = piece(s), t = piece(t);
-        parent_[std::max(s, t)] = std::min(s, t);
-    }
 
     // The border edge that follows along the border.
     Index next_border(Index edge) const {
@@ -125,7 +115,7 @@ class Front {
     bool makes_handle(Index edge, const Joints& joints) {
         const auto [start, after, before] = joints;
         const auto is_own = [&](Index joint) {
-            return joint != kInvalidIndex && piece(joint / 3) == piece(edge / 3);
+            return joint != kInvalidIndex && pieces_.find(joint / 3) == pieces_.find(edge / 3);
         };
         if (is_own(after) && is_own(before))
             return !on_one_loop(edge, before) || !on_one_loop(edge, after) ||
@@ -133,7 +123,7 @@ class Front {
         if (is_own(after)) return !on_one_loop(edge, after);
         if (is_own(before)) return !on_one_loop(edge, before);
         return after != kInvalidIndex && before != kInvalidIndex &&
-               piece(after / 3) == piece(before / 3) && !on_one_loop(after, before);
+               pieces_.find(after / 3) == pieces_.find(before / 3) && !on_one_loop(after, before);
     }
 
     void push(Index edge) {
@@ -225,14 +215,14 @@ class Front {
     void join(Index x, Index y) {
         surface_.mates[x / 3][x % 3] = y;
         surface_.mates[y / 3][y % 3] = x;
-        unite(x / 3, y / 3);
+        pieces_.unite(x / 3, y / 3);
     }
 
     const Tetrahedra& tets_;
     std::span<const float> spacing_;
     FacetSurface& surface_;
     std::vector<Index> first_corner_, next_corner_;  // chains of corners 3 * facet + k per point
-    std::vector<Index> parent_;                      // per facet, up to the piece's root
+    UnionFind pieces_{0};                            // of facets
     std::priority_queue<Offer> queue_;
 };
 

@@ -1,7 +1,8 @@
 #include "simplify/removal.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "core/union_find.h"
 
 namespace pointbake {
 namespace {
@@ -14,22 +15,16 @@ struct Part {
 
 // Lowest vertex of each vertex' part.
 std::vector<Index> find_parts(const Surface& surface) {
-    std::vector<Index> parent(surface.positions.size());
-    std::iota(parent.begin(), parent.end(), Index{0});
-    const auto root = [&](Index v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
-        return v;
-    };
+    UnionFind sets(surface.positions.size());
     for (Index t = 0; t < surface.triangles.size(); ++t) {
         if (surface.is_removed(t)) continue;
         const Triangle& v = surface.triangles[t];
-        for (std::size_t k = 1; k < 3; ++k) {
-            const Index x = root(v[0]), y = root(v[k]);
-            parent[std::max(x, y)] = std::min(x, y);
-        }
+        sets.unite(v[0], v[1]);
+        sets.unite(v[0], v[2]);
     }
-    for (Index v = 0; v < parent.size(); ++v) parent[v] = root(v);
-    return parent;
+    std::vector<Index> roots(sets.size());
+    for (Index v = 0; v < roots.size(); ++v) roots[v] = sets.find(v);
+    return roots;
 }
 
 }  // namespace

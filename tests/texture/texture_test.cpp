@@ -153,7 +153,8 @@ TEST(Texture, SurfaceThatUnfoldsBackOverATriangleDoesNotColourIt) {
                 p.cloud.positions.push_back(p.mesh.positions[tri[0]] * (1 - u - v) +
                                             p.mesh.positions[tri[1]] * u +
                                             p.mesh.positions[tri[2]] * v);
-                p.cloud.colors.push_back(t >= 5 && t <= 7 ? Rgb16{65535, 0, 0} : Rgb16{0, 0, 65535});
+                p.cloud.colors.push_back(t >= 5 && t <= 7 ? Rgb16{65535, 0, 0}
+                                                          : Rgb16{0, 0, 65535});
                 p.cloud.normals.push_back(vec_cast<float>(frame.ez));
                 p.cloud.areas.push_back(static_cast<float>(frame.area() / 55.0));
                 p.cloud.rows.push_back(p.cloud.rows.size());
