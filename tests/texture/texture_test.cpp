@@ -66,6 +66,18 @@ TEST(Texture, MeetsItsBoundAgainstTheTruth) {
     EXPECT_LT(rms_against(bake_apart(baker, plan).model, wave), 2.5);
 }
 
+TEST(Texture, FlatTrianglesCostNextToNothingBesideLettering) {
+    // [Wicke05]'s bee: strokes on one triangle, away from the edge that it shares with the other.
+    const Painted p = painted_square(100, [](double x, double y) {
+        const bool is_stroke = y > x + 0.15 && std::sin(60.0 * x) * std::sin(60.0 * y) > 0.0;
+        return is_stroke ? Vec3d{0.05, 0.05, 0.05} : Vec3d{0.2, 0.5, 0.9};
+    });
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TexturePlan plan = baker.plan(4.0, kNoBudget);
+    EXPECT_LE(plan.shapes[0].num_texels(), 8);
+    EXPECT_GE(plan.shapes[1].num_texels(), 200);
+}
+
 TEST(Texture, TighterBoundNeverNeedsFewerTexels) {
     const Painted p = painted_square(60, wave);
     const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
