@@ -58,9 +58,9 @@ struct SimplifyResult {
 /// Quadric edge collapse [Garland97] with area weights for the order and the attribution test for
 /// the bound: a collapse is legal only if every point attributed to the triangles around it stays
 /// within the bound. Link condition, flip, normal cone and shape checks; boundaries are kept;
-/// topology never changes. Both limits hold: work stops at whichever comes first. Where a budget
-/// alone drives, the shape checks give way at a price, and tiny parts go when their turn comes.
-/// O(n log n). A closed 2-manifold stays one.
+/// no part changes its topology. Both limits hold: work stops at whichever comes first. Where a
+/// budget alone drives, the shape checks give way at a price, and tiny parts go when their turn
+/// comes. O(n log n). A closed 2-manifold stays one.
 SimplifyResult simplify(const DenseMesh& dense, const PointCloud& cloud,
                         const SimplifyOptions& options = {}, const Context& context = {});
 

@@ -192,7 +192,7 @@ class Front {
 
     bool is_on_border(Index v) const {
         for (Index c = first_corner_[v]; c != kInvalidIndex; c = next_corner_[c])
-            if (surface_.mates[c / 3][c % 3] == kInvalidIndex) return true;
+            if (mate(c) == kInvalidIndex) return true;
         return false;
     }
 

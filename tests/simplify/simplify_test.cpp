@@ -165,6 +165,20 @@ TEST(Simplify, BudgetIsNeverExceededAndNearlyUsed) {
     }
 }
 
+TEST(Simplify, BudgetsTurnNoTriangleOverWhereRulesCanBeKept) {
+    for (std::uint64_t seed : {4U, 9U}) {
+        const Input input = over(bumpy_sphere(20, seed));
+        for (Index n : {200U, 600U, 1500U}) {
+            const Mesh mesh = input.simplified({.triangles = n}).mesh;
+            for (const Triangle& t : mesh.triangles) {
+                const Vec3d a = mesh.positions[t[0]], b = mesh.positions[t[1]],
+                            c = mesh.positions[t[2]];
+                EXPECT_GT(dot(cross(b - a, c - a), a + b + c), 0.0) << seed << " " << n;
+            }
+        }
+    }
+}
+
 TEST(Simplify, BudgetAndBoundTogetherStopAtWhicheverComesFirst) {
     const Input input = over(bumpy_sphere(12, 9));
     const std::size_t by_bound = input.simplified(bound_of(0.002)).mesh.triangles.size();

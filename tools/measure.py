@@ -1,0 +1,79 @@
+#!/usr/bin/python3
+"""Measures results with the quality bench's own readers and ray caster, for the figures in docs/.
+
+usage: measure.py round-trip TRUTH CLOUD RESULT   colour at random points of the true surface, in dB, beside limit.py's
+       measure.py bound REPORT POINTS RESULT      farthest kept point of --write-points / the bound of --report
+       measure.py dense TRUTH SPACING MESH.ply    share of pixels in which the first surface hit is the true one
+       measure.py flat RESULT                     neighbouring triangles with at most 8 and at least 200 texels
+
+Needs the bench beside the checkout (../shared/quality, or POINTBAKE_QUALITY), what it needs, and python3-open3d.
+"""
+import json
+import os
+import sys
+
+sys.path.insert(0, os.environ.get("POINTBAKE_QUALITY", os.path.join(os.path.dirname(__file__), "../../shared/quality")))
+import numpy as np
+import open3d as o3d
+
+from compare import fibonacci_sphere, psnr, view_rays
+from limit import limits
+from meshio import load_mesh, read_ply
+from raycast import Scene
+from sample import at, sample_random
+
+
+def round_trip(truth, cloud, result):
+    true, made = load_mesh(truth), load_mesh(result)
+    triangle, bary = sample_random(true, 60000, np.random.default_rng(3))
+    where, wanted = at(true, triangle, bary), true.color_at(triangle, bary)
+    scene = o3d.t.geometry.RaycastingScene()
+    scene.add_triangles(o3d.core.Tensor(made.positions.astype(np.float32)),
+                        o3d.core.Tensor(made.triangles.astype(np.uint32)))
+    near = scene.compute_closest_points(o3d.core.Tensor(where.astype(np.float32)))
+    u, v = near["primitive_uvs"].numpy().T
+    got = made.color_at(near["primitive_ids"].numpy().astype(int), np.stack([1 - u - v, u, v], 1))
+    print({"pointbake": psnr(((wanted - got) ** 2).mean()), **limits(truth, cloud)})
+
+
+def bound(report, points, result):
+    p, mesh = read_ply(points)["vertex"], load_mesh(result)
+    kept = np.stack([p["x"], p["y"], p["z"]], 1).astype(float)[p["kept"] == 1]
+    middle = kept.mean(0)
+    farthest = Scene(mesh.positions - middle, mesh.triangles).distance(kept - middle).max()
+    print(f"{len(kept)} kept points, farthest / bound {farthest / json.load(open(report))['simplify']['bound']:.5f}")
+
+
+def dense(truth, spacing, mesh):
+    true, made = load_mesh(truth), o3d.io.read_triangle_mesh(mesh)
+    corners = true.positions[true.triangles].reshape(-1, 3)
+    middle, radius = (corners.min(0) + corners.max(0)) / 2, np.linalg.norm(np.ptp(corners, 0)) / 2
+    scenes = Scene(true.positions, true.triangles), Scene(np.asarray(made.vertices), np.asarray(made.triangles))
+    right = seen = 0
+    for direction in fibonacci_sphere(24)[::2]:
+        wanted, got = (s.cast(view_rays(direction, middle, radius, 400))[0] for s in scenes)
+        hit = np.isfinite(wanted)
+        seen += hit.sum()
+        right += (np.abs(wanted[hit] - got[hit]) <= float(spacing)).sum()
+    print(f"{100 * right / seen:.2f} %")
+
+
+def flat(result):
+    mesh = load_mesh(result)
+    size = np.array([mesh.images[m].shape[1::-1] for m in mesh.material])
+    width, height = np.round(np.ptp(mesh.uv * size[:, None], axis=1)).T
+    texels = np.where(width + height == 0, 1, (width + 1) * (height + 1) / 2)
+    _, weld = np.unique(np.round(mesh.positions / 1e-6).astype(np.int64), axis=0, return_inverse=True)
+    by_edge = {}
+    for t, corners in enumerate(weld.ravel()[mesh.triangles]):
+        for k in range(3):
+            by_edge.setdefault(frozenset((corners[k], corners[(k + 1) % 3])), []).append(texels[t])
+    pairs = [sorted(e) for e in by_edge.values() if len(e) == 2 and min(e) <= 8 and max(e) >= 200]
+    print(f"{len(pairs)} pairs")
+
+
+if __name__ == "__main__":
+    commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1)}
+    if len(sys.argv) < 2 or sys.argv[1] not in commands or len(sys.argv) - 2 != commands[sys.argv[1]][1]:
+        sys.exit(__doc__)
+    commands[sys.argv[1]][0](*sys.argv[2:])
