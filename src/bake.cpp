@@ -83,6 +83,29 @@ Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& option
     return {std::move(plan), std::move(packing.pages), std::move(packing.placements)};
 }
 
+BakeResult finish(BakedTexture baked, TextureReport texture, std::vector<PageSize> pages,
+                  const Context& context) {
+    for (std::size_t i = 0; i < pages.size(); ++i)
+        fill_unowned_in_place(baked.model.images[i], baked.owned[i], context);
+    report_progress(context, "texture", 1.0);
+    BakeResult out;
+    out.model = std::move(baked.model);
+    out.texture = texture;
+    out.texture.raw_rms = baked.raw_rms;
+    out.texture.raw_p99 = baked.raw_p99;
+    out.texture.num_uncovered_texels = baked.num_uncovered;
+    out.atlas.num_texels = num_texels(pages);
+    const auto all = static_cast<double>(out.atlas.num_texels);
+    out.atlas.fill = static_cast<double>(texture.num_needed_texels) / all;
+    out.atlas.payload = texture.payload_texels / all;
+    out.atlas.pages = std::move(pages);
+    return out;
+}
+
+double bound_of(const TextureOptions& options) {
+    return options.texture_error.value_or(options.texels > 0 ? HUGE_VAL : kDefaultTextureError);
+}
+
 }  // namespace
 
 BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
@@ -94,30 +117,30 @@ BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<con
     }
     TextureOptions texture = options.texture;
     texture.max_patch = std::min(texture.max_patch, smallest_page_side(options));
-    const double bound =
-        texture.texture_error.value_or(texture.texels > 0 ? HUGE_VAL : kDefaultTextureError);
-
+    const double bound = bound_of(texture);
     const TextureBaker baker(mesh, cloud, owners, texture, context);
     Fitted fitted = fit(baker, bound, options, context);
     report_progress(context, "texture", 0.85);
     BakedTexture baked = baker.bake(fitted.plan, fitted.pages, fitted.placements, context);
-    for (std::size_t i = 0; i < fitted.pages.size(); ++i) {
-        fill_unowned_in_place(baked.model.images[i], baked.owned[i], context);
-    }
-    report_progress(context, "texture", 1.0);
+    return finish(std::move(baked), baker.report(fitted.plan, bound), std::move(fitted.pages),
+                  context);
+}
 
-    BakeResult out;
-    out.model = std::move(baked.model);
-    out.texture = baker.report(fitted.plan, bound);
-    out.texture.raw_rms = baked.raw_rms;
-    out.texture.raw_p99 = baked.raw_p99;
-    out.texture.num_uncovered_texels = baked.num_uncovered;
-    out.atlas.num_texels = num_texels(fitted.pages);
-    out.atlas.fill =
-        static_cast<double>(fitted.plan.num_needed) / static_cast<double>(out.atlas.num_texels);
-    out.atlas.payload = out.texture.payload_texels / static_cast<double>(out.atlas.num_texels);
-    out.atlas.pages = std::move(fitted.pages);
-    return out;
+BakeResult bake_into_layout(const Mesh& mesh, const GivenLayout& layout, const PointCloud& cloud,
+                            std::span<const Index> owners, const ConvertOptions& options,
+                            const Context& context) {
+    const TextureBaker baker(mesh, cloud, owners, options.texture, context);
+    const std::int64_t max_texels = options.texture.texels > 0
+                                        ? static_cast<std::int64_t>(options.texture.texels)
+                                        : std::numeric_limits<std::int64_t>::max();
+    GivenBake baked = baker.bake_given(layout, bound_of(options.texture), max_texels,
+                                       options.atlas.page_size, context);
+    if (baked.num_shared_texels > 0)
+        log(context, LogLevel::kWarning,
+            "--keep-uvs: {} texels lie in several triangles (a mirrored layout); they show the "
+            "first one's colours",
+            baked.num_shared_texels);
+    return finish(std::move(baked.texture), baked.report, std::move(baked.pages), context);
 }
 
 }  // namespace pointbake

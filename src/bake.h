@@ -18,4 +18,9 @@ struct BakeResult {
 BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
                         const ConvertOptions& options, const Context& context);
 
+/// --keep-uvs: into the texture coordinates that the mesh has, on pages that its materials name.
+BakeResult bake_into_layout(const Mesh& mesh, const GivenLayout& layout, const PointCloud& cloud,
+                            std::span<const Index> owners, const ConvertOptions& options,
+                            const Context& context);
+
 }  // namespace pointbake

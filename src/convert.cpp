@@ -104,6 +104,37 @@ bool has_border(const Mesh& mesh) {
     return topology(mesh.positions.size(), mesh.triangles).num_boundary_edges > 0;
 }
 
+// A page for each material that is in use, shaped like its image.
+GivenLayout given_layout(const ConvertInput& input) {
+    GivenLayout out;
+    if (!input.mesh)
+        fail(ErrorCode::kInvalidOption, "--keep-uvs needs a mesh to keep them of: --mesh FILE");
+    const TexturedMesh& given = *input.mesh;
+    const std::size_t n = given.mesh.triangles.size();
+    out.triangle_pages = given.triangle_materials;
+    out.triangle_pages.resize(n, 0);
+    std::vector<Index> pages(std::max<std::size_t>(given.materials.size(), 1), kInvalidIndex);
+    for (Index& page : out.triangle_pages) {
+        Index& number = pages[page];
+        if (number == kInvalidIndex) {
+            number = static_cast<Index>(out.pages.size());
+            GivenLayout::Page& added = out.pages.emplace_back();
+            added = {"page0", {1, 1}};
+            if (page < given.materials.size()) {
+                const Material& material = given.materials[page];
+                added.name = material.name;
+                if (material.color_image >= 0) {
+                    const Image& image =
+                        given.images[static_cast<std::size_t>(material.color_image)];
+                    added.proportions = {image.width, image.height};
+                }
+            }
+        }
+        page = number;
+    }
+    return out;
+}
+
 // The mesh that comes from a file instead of from reconstruction.
 ReconstructResult given_mesh(ConvertInput& input) {
     ReconstructResult out;
@@ -133,6 +164,12 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                       const StageObserver& observer, const Context& context) {
     ConvertResult result;
     StageRunner stages(result, options, observer, context);
+    SimplifyOptions simplifying = options.simplify;
+    GivenLayout layout;
+    if (options.texture.keep_uvs) {
+        layout = given_layout(input);
+        simplifying.keep_mesh = true;
+    }
 
     tell_about_faces(input, options, context);
     if (options.texture.paper) tell_paper_readings(context);
@@ -159,15 +196,19 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
         return result;
     }
     if (!stages.run(Stage::kSimplify, [&] {
-            result.light = simplify(result.dense, result.cloud, options.simplify, context);
+            result.light = simplify(result.dense, result.cloud, simplifying, context);
             result.report.simplify = result.light.report;
         })) {
         return result;
     }
     stages.run(Stage::kTexture, [&] {
         settle_colors(result, context);
-        BakeResult baked = bake_texture(result.light.mesh, result.cloud,
-                                        result.light.point_triangles, options, context);
+        const SimplifyResult& light = result.light;
+        BakeResult baked =
+            options.texture.keep_uvs
+                ? bake_into_layout(light.mesh, layout, result.cloud, light.point_triangles, options,
+                                   context)
+                : bake_texture(light.mesh, result.cloud, light.point_triangles, options, context);
         result.model = std::move(baked.model);
         const bool open = has_border(result.model.mesh);
         for (Material& material : result.model.materials) material.is_double_sided = open;

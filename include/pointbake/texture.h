@@ -28,6 +28,7 @@ struct TextureOptions {
     Projection projection = Projection::kInterpolated;
     int max_patch = 1024;
     bool paper = false;
+    bool keep_uvs = false;
     template <class Field>
     static void describe(Field&& field) {
         field("texture-error", &TextureOptions::texture_error,
@@ -40,6 +41,8 @@ struct TextureOptions {
               "points are projected along the interpolated vertex normal, or the triangle's "
               "(orthographic)");
         field("max-patch", &TextureOptions::max_patch, "longest side of a patch in texels");
+        field("keep-uvs", &TextureOptions::keep_uvs,
+              "bake into the texture coordinates of the given mesh, which stays as it is");
         field("paper", &TextureOptions::paper, "all choices of Wicke, Olibet, Gross 2005");
     }
 };
@@ -86,6 +89,25 @@ struct BakedTexture {
     std::uint64_t num_uncovered = 0;      ///< texels no splat reached
 };
 
+/// What comes of baking into a given layout.
+struct GivenBake {
+    BakedTexture texture;
+    TextureReport report;
+    std::vector<PageSize> pages;
+    std::uint64_t num_shared_texels = 0;  ///< texels inside several triangles (mirrored layouts)
+};
+
+/// A layout that a mesh brings along: its texture coordinates, and a page for each of its
+/// materials.
+struct GivenLayout {
+    struct Page {
+        std::string name;
+        PageSize proportions;  ///< of its sides; the size is chosen
+    };
+    std::vector<Page> pages;
+    std::vector<Index> triangle_pages;  ///< per triangle
+};
+
 /// Makes textures for one mesh and one cloud. Construction projects every point once (linear time);
 /// planning measures the error of every patch at every size it may need; baking writes the chosen
 /// sizes into pages. The mesh, the cloud and the owners must outlive it.
@@ -108,6 +130,15 @@ class TextureBaker {
 
     /// Figures of a plan against a bound.
     TextureReport report(const TexturePlan& plan, double bound) const;
+
+    /// Splats into the mesh's own texture coordinates instead, on the smallest pages (all scaled
+    /// alike, the longest side at most `page_size`) where every triangle's error is at most `bound`
+    /// or its texels are as fine as its points allow, of at most `max_texels` together. Texels
+    /// that several triangles share belong to the first; pages repeat where texture coordinates
+    /// leave 0..1. Throws Error{kInvalidInput} for a mesh without texture coordinates or with ones
+    /// beyond 16, Error{kLimit} if the smallest pages are over the budget.
+    GivenBake bake_given(const GivenLayout& layout, double bound, std::int64_t max_texels,
+                         int page_size, const Context& context) const;
 
  private:
     struct Impl;

@@ -1,7 +1,4 @@
-// [Wicke05] eq. (1), normalised: E = sqrt(sum A_s |c_S(p_s) - t(p_s)|^2 / (3 sum A_s)), in 8-bit
-// steps, against the splatted function c_S, which sharpening keeps close to the points' own
-// colours. E falls to the rounding of 8 bits, so refinement ends; the colours themselves have a
-// floor that no number of texels passes.
+// Coarse to fine until nothing is left to gain or a cap of [Wicke05], section 4.3, is reached.
 #include "texture/level_errors.h"
 
 #include <algorithm>
@@ -16,112 +13,8 @@ constexpr std::size_t kGrain = 32;  // triangles per chunk
 constexpr int kMaxLevels = 40;
 constexpr double kFlat =
     1.0;  // one texel is for flat colour: on gradients the triangles would show
-constexpr float kNothingToGain = 0.35F;   // 8-bit rounding alone is 0.29
-constexpr double kTexelsPerPoint = 8.0;   // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
-constexpr int kMaxEdgeProbes = 64;        // per edge
-constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle, in splat radii
-
-struct Probe {
-    Vec2f place;
-    Vec3f wanted;  // steps
-    float weight;
-};
-
-double mean_spacing(const SplatScene& scene, const PointCloud& cloud, Index triangle) {
-    const std::span<const Footprint> own = scene.prints.of(triangle);
-    double area = 0.0;
-    for (const Footprint& f : own) area += static_cast<double>(cloud.areas[f.point]);
-    if (area > 0.0) return std::sqrt(area / static_cast<double>(own.size()));
-    return static_cast<double>(scene.prints.reach[triangle]) /
-           (static_cast<double>(scene.kernel.sigma * scene.kernel.cut));
-}
-
-// Coarse texels average what they cover; texels finer than the points have nothing to average.
-float low_pass_variance(const Kernel& kernel, double pitch, double spacing) {
-    if (!kernel.fades_low_pass) return kernel.low_pass;
-    const double ratio = spacing > 0.0 ? pitch / spacing : 1.0;
-    return kernel.low_pass * static_cast<float>(std::clamp(2.0 * ratio - 1.0, 0.0, 1.0));
-}
-
-double border_of(const SplatScene& scene, Index triangle) {
-    return kBorderOverReach * static_cast<double>(scene.prints.reach[triangle]);
-}
-
-PatchTexels patch_at(const LocalField& field, const TriangleFrame& frame, double spacing,
-                     MapKind kind, std::span<const Vec3f> values, int level) {
-    const PatchLayout layout = patch_layout(frame, level_density(frame, level));
-    const double texels = std::max(1.0, static_cast<double>(layout.base) * layout.height);
-    const double pitch = std::sqrt(2.0 * frame.area() / texels);
-    return splat_patch(field, values, kind, layout,
-                       low_pass_variance(field.kernel(), pitch, spacing));
-}
-
-void add_probe(std::vector<Probe>& probes, const LocalField& field, MapKind kind,
-               std::span<const Vec3f> values, Vec2f place, float weight) {
-    const SplatSum s = field.evaluate(place, values);
-    if (s.weight > 0.0F) probes.push_back({place, to_steps(kind, s.sum / s.weight), weight});
-}
-
-std::vector<Probe> make_probes(const LocalField& field, const SplatScene& scene,
-                               const PointCloud& cloud, MapKind kind, std::span<const Vec3f> values,
-                               Index triangle) {
-    std::vector<Probe> probes;
-    const std::span<const Footprint> own = scene.prints.of(triangle);
-    for (const Footprint& f : own) {
-        if (!f.hidden) add_probe(probes, field, kind, values, f.center, cloud.areas[f.point]);
-    }
-    // The points say nothing of the border, where the neighbour's patch takes over: look there,
-    // too.
-    const TriangleFrame& frame = scene.shell.frame(triangle);
-    const double spacing = mean_spacing(scene, cloud, triangle);
-    const auto weight = static_cast<float>(std::min(0.5 * spacing * spacing, frame.area() / 4.0));
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Vec2d from = frame.corners[k], along = frame.corners[(k + 1) % 3] - from;
-        const int count = std::clamp(static_cast<int>(length(along) / spacing), 1, kMaxEdgeProbes);
-        for (int i = 0; i < count; ++i) {
-            const Vec2d x = from + along * (static_cast<double>(i) / count);
-            add_probe(probes, field, kind, values,
-                      {static_cast<float>(x.x), static_cast<float>(x.y)}, weight);
-        }
-    }
-    return probes;
-}
-
-// [Wicke05] eq. (1) to the letter, as far as it can be: sum A_s |c_s - t(p_s)|, per area of the
-// triangle.
-std::vector<Probe> make_paper_probes(const SplatScene& scene, const PointCloud& cloud, MapKind kind,
-                                     std::span<const Vec3f> values, Index triangle) {
-    std::vector<Probe> probes;
-    const std::span<const Footprint> own = scene.prints.of(triangle);
-    for (std::size_t k = 0; k < own.size(); ++k) {
-        if (own[k].hidden) continue;
-        const Vec3f color = to_steps(kind, values[scene.prints.begin[triangle] + k]);
-        probes.push_back({own[k].center, color, cloud.areas[own[k].point]});
-    }
-    return probes;
-}
-
-float paper_error(const PatchTexels& patch, MapKind kind, std::span<const Probe> probes,
-                  double area) {
-    double sum = 0.0;
-    for (const Probe& p : probes) {
-        const Vec3f d =
-            to_steps(kind, sample_bilinear(patch, kind, patch.layout.texel_of(p.place))) - p.wanted;
-        sum += static_cast<double>(p.weight) * static_cast<double>(length(d));
-    }
-    return area > 0.0 ? static_cast<float>(sum / area) : 0.0F;
-}
-
-float rms_error(const PatchTexels& patch, MapKind kind, std::span<const Probe> probes) {
-    double sum = 0.0, weight = 0.0;
-    for (const Probe& p : probes) {
-        const Vec3f d =
-            to_steps(kind, sample_bilinear(patch, kind, patch.layout.texel_of(p.place))) - p.wanted;
-        sum += static_cast<double>(p.weight) * static_cast<double>(squared_length(d));
-        weight += static_cast<double>(p.weight);
-    }
-    return weight > 0.0 ? static_cast<float>(std::sqrt(sum / (3.0 * weight))) : 0.0F;
-}
+constexpr float kNothingToGain = 0.35F;  // 8-bit rounding alone is 0.29
+constexpr double kTexelsPerPoint = 8.0;  // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
 
 // What forbids a level, if anything.
 CapReason cap_of(const TriangleFrame& frame, int level, double min_pitch, std::size_t num_points,
@@ -135,19 +28,6 @@ CapReason cap_of(const TriangleFrame& frame, int level, double min_pitch, std::s
     const double allowed =
         kTexelsPerPoint * static_cast<double>(std::max<std::size_t>(num_points, 1));
     return surface > allowed && level > 2 ? CapReason::kCount : CapReason::kNone;
-}
-
-// [Wicke05] eq. (2) with the 5 % quantile of the spacings instead of their minimum: one close pair
-// decides nothing.
-double min_pitch_of(const SplatScene& scene, const PointCloud& cloud, Index triangle) {
-    std::vector<float> areas;
-    for (const Footprint& f : scene.prints.of(triangle)) areas.push_back(cloud.areas[f.point]);
-    const double spacing = mean_spacing(scene, cloud, triangle);
-    if (areas.empty()) return spacing / (2.0 * std::sqrt(2.0));
-    const auto low = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 20);
-    std::nth_element(areas.begin(), low, areas.end());
-    const double d = std::max(std::sqrt(static_cast<double>(*low)), 0.25 * spacing);
-    return d / (2.0 * std::sqrt(2.0));
 }
 
 }  // namespace
@@ -195,17 +75,14 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, Map
     const std::size_t num_chunks = (num_triangles + kGrain - 1) / kGrain;
     std::vector<std::vector<LevelErrors::Level>> chunks(num_chunks);
     parallel_for(context, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
-        LocalField field(scene);
+        TriangleGauge gauge(scene, cloud, kind, values, options.paper);
         std::vector<LevelErrors::Level>& levels = chunks[begin / kGrain];
         for (std::size_t t = begin; t < end; ++t) {
             const auto triangle = static_cast<Index>(t);
             const TriangleFrame& frame = scene.shell.frame(triangle);
-            const double spacing = mean_spacing(scene, cloud, triangle);
-            const double min_pitch = min_pitch_of(scene, cloud, triangle);
-            field.gather(triangle, border_of(scene, triangle));
-            const std::vector<Probe> probes =
-                options.paper ? make_paper_probes(scene, cloud, kind, values, triangle)
-                              : make_probes(field, scene, cloud, kind, values, triangle);
+            gauge.look_at(triangle);
+            gauge.place_probes();
+            const double min_pitch = gauge.min_pitch();
             LevelErrors::Patch& patch = out.patches[t];
             patch.begin = static_cast<Index>(levels.size());
             patch.area = frame.area();
@@ -213,9 +90,9 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, Map
                 patch.cap = cap_of(frame, level, min_pitch, scene.prints.of(triangle).size(),
                                    options.max_patch);
                 if (patch.cap != CapReason::kNone) break;
-                const PatchTexels texels = patch_at(field, frame, spacing, kind, values, level);
-                const float error = options.paper ? paper_error(texels, kind, probes, frame.area())
-                                                  : rms_error(texels, kind, probes);
+                const PatchTexels texels =
+                    gauge.texels(patch_layout(frame, level_density(frame, level)));
+                const float error = gauge.error(texels);
                 levels.push_back(
                     {error, static_cast<std::int32_t>(texels.need.shape.num_texels())});
                 ++patch.count;
@@ -235,26 +112,15 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, Map
     return out;
 }
 
-PatchTexels make_patch(LocalField& field, const SplatScene& scene, const PointCloud& cloud,
-                       MapKind kind, std::span<const Vec3f> values, Index triangle, int level) {
-    field.gather(triangle, border_of(scene, triangle));
-    return patch_at(field, scene.shell.frame(triangle), mean_spacing(scene, cloud, triangle), kind,
-                    values, level);
-}
-
 void summarise_errors(const LevelErrors& levels, std::span<const std::uint8_t> chosen, double bound,
                       TextureReport& report) {
     std::vector<float> errors(chosen.size());
-    double area = 0.0;
+    std::vector<double> areas(chosen.size());
     for (std::size_t t = 0; t < chosen.size(); ++t) {
         const LevelErrors::Patch& patch = levels.patches[t];
-        const auto e = static_cast<double>(levels.error(t, chosen[t]));
-        errors[t] = static_cast<float>(e);
-        area += patch.area;
-        report.error_mean += patch.area * e;
-        report.error_rms += patch.area * e * e;
-        report.error_max = std::max(report.error_max, e);
-        if (e <= bound) continue;
+        errors[t] = levels.error(t, chosen[t]);
+        areas[t] = patch.area;
+        if (static_cast<double>(errors[t]) <= bound) continue;
         const std::uint8_t best = levels.first_within(t, bound);
         if (levels.error(t, best) < errors[t] &&
             levels.needed(t, best) > levels.needed(t, chosen[t])) {
@@ -266,6 +132,19 @@ void summarise_errors(const LevelErrors& levels, std::span<const std::uint8_t> c
         } else {
             ++report.capped.by_spacing;
         }
+    }
+    summarise_distribution(std::move(errors), areas, report);
+}
+
+void summarise_distribution(std::vector<float> errors, std::span<const double> areas,
+                            TextureReport& report) {
+    double area = 0.0;
+    for (std::size_t t = 0; t < errors.size(); ++t) {
+        const auto e = static_cast<double>(errors[t]);
+        area += areas[t];
+        report.error_mean += areas[t] * e;
+        report.error_rms += areas[t] * e * e;
+        report.error_max = std::max(report.error_max, e);
     }
     if (area > 0.0)
         report.error_mean /= area, report.error_rms = std::sqrt(report.error_rms / area);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pointbake/texture.h"
-#include "texture/patch_texels.h"
+#include "texture/triangle_gauge.h"
 
 namespace pointbake {
 
@@ -49,12 +49,12 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, Map
                            std::span<const Vec3f> values, const TextureOptions& options,
                            const Context& context);
 
-/// The patch of a triangle at a level, as measured and as written.
-PatchTexels make_patch(LocalField& field, const SplatScene& scene, const PointCloud& cloud,
-                       MapKind kind, std::span<const Vec3f> values, Index triangle, int level);
-
 /// Fills in the error figures and the capped counts.
 void summarise_errors(const LevelErrors& levels, std::span<const std::uint8_t> chosen, double bound,
                       TextureReport& report);
+
+/// The error figures alone, weighted by the triangles' areas; expects the capped counts.
+void summarise_distribution(std::vector<float> errors, std::span<const double> areas,
+                            TextureReport& report);
 
 }  // namespace pointbake

@@ -11,10 +11,14 @@ struct TangentFrame {
     std::int8_t sign = 1;  ///< bitangent = sign * cross(normal, tangent) points to the image's top
 };
 
-/// Recodes the texels of a normal patch for the pose it gets: the exact inverse of what a renderer
-/// does with the interpolated, unnormalised normal, the tangent and their cross product (x to the
-/// right, y to the top of the image).
-TangentFrame to_tangent_space(PatchTexels& patch, const Shell& shell, const Mesh& mesh,
-                              Index triangle, const Placement& placement);
+/// Of a layout whose patch is mirrored as its placement says.
+TangentFrame tangent_frame(const TriangleFrame& frame, const PatchLayout& layout,
+                           const Placement& placement);
+
+/// Recodes the texels of a normal patch: the exact inverse of what a renderer does with the
+/// interpolated, unnormalised normal, the tangent and their cross product (x to the right, y to the
+/// top of the image).
+void to_tangent_space(PatchTexels& patch, const Shell& shell, Index triangle,
+                      const TangentFrame& tangent);
 
 }  // namespace pointbake

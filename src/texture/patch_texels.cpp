@@ -20,10 +20,10 @@ struct ScreenSplat {
 // The splat in texel coordinates; false if it is too thin to have any.
 bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, float cut,
                ScreenSplat& out) {
-    const float m00 = layout.column_x.x, m01 = layout.column_y.x, m11 = layout.column_y.y;
-    const float xx = m00 * m00 * s.vxx + 2.0F * m00 * m01 * s.vxy + m01 * m01 * s.vyy;
-    const float xy = m11 * (m00 * s.vxy + m01 * s.vyy);
-    const float yy = m11 * m11 * s.vyy;
+    const Vec2f x = layout.column_x, y = layout.column_y;
+    const float xx = x.x * x.x * s.vxx + 2.0F * x.x * y.x * s.vxy + y.x * y.x * s.vyy;
+    const float xy = x.x * x.y * s.vxx + (x.x * y.y + x.y * y.x) * s.vxy + y.x * y.y * s.vyy;
+    const float yy = x.y * x.y * s.vxx + 2.0F * x.y * y.y * s.vxy + y.y * y.y * s.vyy;
     const float det_object = xx * yy - xy * xy;
     const float vxx = xx + low_pass, vyy = yy + low_pass;
     const float det = vxx * vyy - xy * xy;
@@ -118,6 +118,19 @@ PatchLayout patch_layout(const TriangleFrame& frame, double texels_per_unit) {
     out.column_x = {static_cast<float>(scale_x), 0.0F};
     out.column_y = {static_cast<float>((out.apex - scale_x * foot) / frame.height()),
                     static_cast<float>(-scale_y)};
+    return out;
+}
+
+PatchLayout patch_layout(const TriangleFrame& frame, const std::array<Vec2d, 3>& texels) {
+    PatchLayout out;
+    out.corners = texels;
+    const Vec2d a = frame.corners[0], d = frame.corners[1] - a, e = frame.corners[2] - a;
+    const Vec2d u = texels[1] - texels[0], v = texels[2] - texels[0];
+    const double area = cross(d, e);
+    const Vec2d x = (u * e.y - v * d.y) / area, y = (v * d.x - u * e.x) / area;
+    out.column_x = vec_cast<float>(x);
+    out.column_y = vec_cast<float>(y);
+    out.origin = vec_cast<float>(texels[0] - x * a.x - y * a.y);
     return out;
 }
 

@@ -9,24 +9,24 @@
 
 namespace pointbake {
 
-/// Layout of a triangle at a size. All corners are on texel centres; y grows downwards, the apex is
-/// in row 0. base = 0 is the one-texel patch.
+/// Layout of a triangle at a size. y grows downwards. In a patch of its own all corners are on
+/// texel centres and the apex is in row 0; base = 0 is the one-texel patch.
 struct PatchLayout {
-    int base = 0, height = 0, apex = 0;  ///< whole texels
+    int base = 0, height = 0, apex = 0;  ///< whole texels, of a patch of its own
     std::array<Vec2d, 3> corners{};      ///< per corner of the triangle
     Vec2f origin{};                      ///< texel = origin + x * column_x + y * column_y
     Vec2f column_x{}, column_y{};
 
-    Vec2f texel_of(Vec2f x) const {
-        return {origin.x + column_x.x * x.x + column_y.x * x.y, origin.y + column_y.y * x.y};
-    }
-    /// Inverse of texel_of for a patch with base > 0.
+    Vec2f texel_of(Vec2f x) const { return origin + column_x * x.x + column_y * x.y; }
+    /// Inverse of texel_of, where the columns span an area.
     Vec2f place_of(Vec2f texel) const {
-        const float y = (texel.y - origin.y) / column_y.y;
-        return {(texel.x - origin.x - column_y.x * y) / column_x.x, y};
+        const Vec2f d = texel - origin;
+        return Vec2f{cross(d, column_y), cross(column_x, d)} / cross(column_x, column_y);
     }
 };
 PatchLayout patch_layout(const TriangleFrame& frame, double texels_per_unit);
+/// A triangle whose corners lie anywhere among the texels; they must span an area.
+PatchLayout patch_layout(const TriangleFrame& frame, const std::array<Vec2d, 3>& texels);
 inline constexpr double kOneTexel = 0.0;  ///< density of the one-texel patch
 
 /// Texels of a need set, before and after quantisation.

@@ -46,6 +46,9 @@ class Shell {
     const TriangleFrame& frame(Index triangle) const { return frames_[triangle]; }
     const std::vector<Vec3f>& normals() const { return normals_; }
     ShellPoint project(Index triangle, Vec3d p) const;
+    /// Interpolated vertex normal (not normalised) at a place in the triangle's plane, clamped into
+    /// the triangle.
+    Vec3d normal_at(Index triangle, Vec2d place) const;
 
  private:
     ShellPoint project_orthographic(Index triangle, Vec3d p) const;

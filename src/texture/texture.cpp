@@ -8,10 +8,11 @@
 #include "core/adjacency.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "texture/given_layout.h"
 #include "texture/level_errors.h"
-#include "texture/normal_map.h"
-#include "texture/patch_texels.h"
+#include "texture/paint_pages.h"
 #include "texture/sharpen.h"
+#include "texture/visibility.h"
 
 namespace pointbake {
 namespace {
@@ -55,6 +56,7 @@ struct TextureBaker::Impl {
           shell(m, o.projection, context),
           prints(project_points(m, c, owners, shell, neighbors, kernel, context)),
           scene{mesh, shell, neighbors, prints, kernel} {
+        hide_covered_in_place(prints, cloud, shell, context);
         report_progress(context, "texture", 0.1);
         raw = map_values(cloud, kind, prints);
         std::vector<std::uint64_t> rows(raw.size());
@@ -65,9 +67,11 @@ struct TextureBaker::Impl {
             sharpened = sharpen(scene, kind, raw, rows, context);
         }
         report_progress(context, "texture", 0.3);
+        if (options.keep_uvs) return;
         levels = measure_levels(scene, cloud, kind, sharpened.values, options, context);
         report_progress(context, "texture", 0.7);
     }
+    PaintSource source() const { return {scene, cloud, kind, raw, sharpened.values}; }
 };
 
 TextureBaker::TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
@@ -123,11 +127,6 @@ TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed) const {
 
 namespace {
 
-struct RawErrors {
-    double sum = 0.0;
-    std::uint64_t num_uncovered = 0;
-};
-
 // Patch texel -> page texel under a placement.
 struct Pose {
     const Placement& place;
@@ -158,63 +157,29 @@ void copy_to_page(const PatchTexels& patch, const Pose& pose, Image& page,
     }
 }
 
-BakedTexture empty_pages(const Mesh& mesh, MapKind kind, std::span<const PageSize> pages) {
-    BakedTexture out;
-    out.model.mesh = mesh;
-    out.model.mesh.uvs.resize(mesh.triangles.size());
-    out.model.triangle_materials.resize(mesh.triangles.size());
-    for (std::size_t i = 0; i < pages.size(); ++i) {
-        Image image{pages[i].width, pages[i].height, 3, {}};
-        image.pixels.assign(image.num_texels() * 3, 0);
-        out.owned.emplace_back(image.num_texels(), std::uint8_t{0});
-        Material material;
-        material.name = fmt::format("page{}", i);
-        (kind == MapKind::kColor ? material.color_image : material.normal_image) =
-            static_cast<int>(i);
-        out.model.images.push_back(std::move(image));
-        out.model.materials.push_back(std::move(material));
-    }
-    if (kind == MapKind::kNormal) {
-        out.model.corner_tangents.resize(mesh.triangles.size());
-        out.model.tangent_signs.resize(mesh.triangles.size());
-    }
-    return out;
-}
-
 }  // namespace
 
 BakedTexture TextureBaker::bake(const TexturePlan& plan, std::span<const PageSize> pages,
                                 std::span<const Placement> placements,
                                 const Context& context) const {
     const Impl& impl = *impl_;
-    BakedTexture out = empty_pages(impl.mesh, impl.kind, pages);
-    out.model.mesh.normals = impl.shell.normals();
-    std::vector<float> raw_errors(impl.prints.items.size(), 0.0F);
+    const PaintSource source = impl.source();
+    BakedTexture out = empty_pages(source, pages);
+    RawErrors raw(source);
     const auto bake_range = [&](std::size_t begin, std::size_t end) {
-        LocalField field(impl.scene);
-        RawErrors errors;
+        TriangleGauge gauge(source.scene, source.cloud, source.kind, source.sharpened);
+        std::uint64_t num_uncovered = 0;
         for (std::size_t t = begin; t < end; ++t) {
             const auto triangle = static_cast<Index>(t);
-            PatchTexels patch = make_patch(field, impl.scene, impl.cloud, impl.kind,
-                                           impl.sharpened.values, triangle, plan.levels[t]);
-            errors.num_uncovered += patch.num_uncovered;
-            const std::span<const Footprint> own = impl.prints.of(triangle);
-            for (std::size_t k = 0; k < own.size(); ++k) {
-                const std::size_t item = impl.prints.begin[triangle] + k;
-                const Vec3f read =
-                    sample_bilinear(patch, impl.kind, patch.layout.texel_of(own[k].center));
-                const Vec3f d = to_steps(impl.kind, read) - to_steps(impl.kind, impl.raw[item]);
-                raw_errors[item] = std::sqrt(squared_length(d) / 3.0F);
-                errors.sum += static_cast<double>(squared_length(d)) / 3.0;
-            }
+            const TriangleFrame& frame = impl.shell.frame(triangle);
+            gauge.look_at(triangle);
+            PatchTexels patch =
+                gauge.texels(patch_layout(frame, level_density(frame, plan.levels[t])));
+            num_uncovered += patch.num_uncovered;
+            raw.measure(triangle, patch);
             const Placement& place = placements[t];
+            settle_tangent(source, triangle, place, patch, out.model);
             const Pose pose{place, patch.width(), patch.need.shape.height()};
-            if (impl.kind == MapKind::kNormal) {
-                const TangentFrame tangent =
-                    to_tangent_space(patch, impl.shell, impl.mesh, triangle, place);
-                out.model.corner_tangents[t] = tangent.tangent;
-                out.model.tangent_signs[t] = tangent.sign;
-            }
             copy_to_page(patch, pose, out.model.images[place.page], out.owned[place.page]);
             out.model.triangle_materials[t] = place.page;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -224,21 +189,18 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, std::span<const PageSiz
                 out.model.mesh.uvs[t][k] = pose.uv(local, pages[place.page]);
             }
         }
-        return errors;
+        return num_uncovered;
     };
-    const RawErrors total =
-        parallel_reduce(context, impl.mesh.triangles.size(), kGrain, RawErrors{}, bake_range,
-                        [](RawErrors a, RawErrors b) {
-                            return RawErrors{a.sum + b.sum, a.num_uncovered + b.num_uncovered};
-                        });
-    out.num_uncovered = total.num_uncovered;
-    if (!raw_errors.empty()) {
-        out.raw_rms = std::sqrt(total.sum / static_cast<double>(raw_errors.size()));
-        const auto p99 =
-            raw_errors.begin() + static_cast<std::ptrdiff_t>(raw_errors.size() * 99 / 100);
-        std::nth_element(raw_errors.begin(), p99, raw_errors.end());
-        out.raw_p99 = static_cast<double>(*p99);
-    }
+    out.num_uncovered = parallel_reduce(context, impl.mesh.triangles.size(), kGrain,
+                                        std::uint64_t{0}, bake_range, std::plus<>());
+    raw.summarise(out);
+    return out;
+}
+
+GivenBake TextureBaker::bake_given(const GivenLayout& layout, double bound, std::int64_t max_texels,
+                                   int page_size, const Context& context) const {
+    GivenBake out = paint_given(impl_->source(), layout, {bound, max_texels, page_size}, context);
+    out.report.sharpening_rounds = impl_->sharpened.rounds;
     return out;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
-constexpr int kLinear = 9729, kClampToEdge = 33071;
+constexpr int kLinear = 9729, kClampToEdge = 33071, kRepeat = 10497;
 constexpr std::size_t kMaxShortIndex = 65534;  // 65535 restarts primitives
 constexpr std::uint64_t kMaxGlbBytes = ~std::uint32_t{0};
 constexpr std::uint64_t kGlbHeaderBytes = 12, kChunkHeaderBytes = 8;
@@ -90,7 +90,8 @@ class GltfWriter {
     Json nodes() const;
     Json material(Index index) const;
     Json texture_info(int image) const;
-    Json sampler() const;
+    int wrap_of(std::size_t texture) const;
+    Json samplers(std::vector<std::size_t>& of_texture) const;
     Json primitive(const MeshPart& part, std::size_t material_index);
     Json position_accessor(const MeshPart& part) const;
     std::size_t add_indices(const MeshPart& part);
@@ -216,12 +217,27 @@ Json GltfWriter::material(Index index) const {
     return json;
 }
 
-/// Without a sampler textures repeat, and mip levels made by the viewer mix patches.
-Json GltfWriter::sampler() const {
-    return {{"magFilter", kLinear},
-            {"minFilter", kLinear},
-            {"wrapS", kClampToEdge},
-            {"wrapT", kClampToEdge}};
+int GltfWriter::wrap_of(std::size_t texture) const {
+    const auto image = static_cast<std::size_t>(used_images_[texture]);
+    return model_.images[image].repeats ? kRepeat : kClampToEdge;
+}
+
+/// One for each way of wrapping that is in use. Without a sampler textures repeat, and mip levels
+/// made by the viewer mix patches.
+Json GltfWriter::samplers(std::vector<std::size_t>& of_texture) const {
+    Json json = Json::array();
+    std::vector<int> wraps;
+    for (std::size_t i = 0; i < used_images_.size(); ++i) {
+        const auto known = std::find(wraps.begin(), wraps.end(), wrap_of(i));
+        of_texture.push_back(static_cast<std::size_t>(known - wraps.begin()));
+        if (known != wraps.end()) continue;
+        wraps.push_back(wrap_of(i));
+        json.push_back({{"magFilter", kLinear},
+                        {"minFilter", kLinear},
+                        {"wrapS", wraps.back()},
+                        {"wrapT", wraps.back()}});
+    }
+    return json;
 }
 
 Json GltfWriter::position_accessor(const MeshPart& part) const {
@@ -300,8 +316,10 @@ Json GltfWriter::document(const std::vector<Json>& images, std::string_view buff
         materials.push_back(material(part.material));
         has_unlit = has_unlit || !looks_[part.material].is_lit;
     }
+    std::vector<std::size_t> of_texture;
+    Json samplers = this->samplers(of_texture);
     for (std::size_t i = 0; i < images.size(); ++i)
-        textures.push_back({{"sampler", 0}, {"source", i}});
+        textures.push_back({{"sampler", of_texture[i]}, {"source", i}});
 
     Json json = {{"asset", asset()}};
     if (has_unlit) json["extensionsUsed"] = Json::array({"KHR_materials_unlit"});
@@ -312,7 +330,7 @@ Json GltfWriter::document(const std::vector<Json>& images, std::string_view buff
     json["materials"] = std::move(materials);
     if (!images.empty()) {
         json["textures"] = std::move(textures);
-        json["samplers"] = Json::array({sampler()});
+        json["samplers"] = std::move(samplers);
         json["images"] = images;
     }
     json["accessors"] = buffer_.accessors();

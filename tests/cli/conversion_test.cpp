@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "run_program.h"
+#include "support/check_glb.h"
 
 namespace pointbake::cli {
 namespace {
@@ -153,6 +154,29 @@ TEST_F(Conversion, StagesOnFilesMakeUpTheWhole) {
     EXPECT_THAT(folder_.read("model.glb"), testing::StartsWith("glTF"));
     const ProgramRun info = run_well({"info", "light.ply", "--json"});
     EXPECT_LE(Json::parse(info.out)["faces"], 500);
+}
+
+TEST_F(Conversion, KeepsTheTextureCoordinatesOfAGivenMesh) {
+    run_well({"in.ply", "first.glb", "--triangles", "300"});
+    run_well({"in.ply", "again.glb", "--mesh", "first.glb", "--keep-uvs"});
+    const GlbContents first = check_glb(folder_ / "first.glb"),
+                      again = check_glb(folder_ / "again.glb");
+    EXPECT_THAT(again.problems, testing::IsEmpty());
+    ASSERT_EQ(first.primitives.size(), 1U);
+    ASSERT_EQ(again.primitives.size(), 1U);
+    const auto corners = [](const GlbPrimitive& p) {
+        std::vector<std::array<float, 5>> out;
+        for (const auto& t : p.triangles)
+            for (const std::uint32_t v : t) {
+                const Vec3f x = p.stored_positions[v];
+                out.push_back({x.x, x.y, x.z, p.uvs[v].x, p.uvs[v].y});
+            }
+        return out;
+    };
+    EXPECT_THAT(corners(again.primitives[0]),
+                testing::UnorderedElementsAreArray(corners(first.primitives[0])));
+    run_well({"texture", "first.glb", "in.ply", "same.glb", "--keep-uvs"});
+    EXPECT_EQ(folder_.read("same.glb"), folder_.read("again.glb"));
 }
 
 TEST_F(Conversion, SampleMakesPointsOfTheModelAgain) {

@@ -48,6 +48,7 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"in.ply", "--stop-after", "simplify"}, "--work-dir"},
         {{"-q", "info", "in.ply"}, "comes first"},
         {{"texture", "in.ply"}, "CLOUD"},
+        {{"in.ply", "out.glb", "--keep-uvs"}, "--mesh"},
         {{"info", "in.ply", "out.ply"}, "too many"},
     };
     const std::string input = folder.read("in.ply");

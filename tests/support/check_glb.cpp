@@ -23,6 +23,7 @@ using Json = nlohmann::json;
 using Bytes = std::vector<std::byte>;
 using Matrix = std::array<std::array<double, 4>, 4>;
 
+constexpr int kClampToEdge = 33071, kRepeat = 10497;
 constexpr double kUnitTolerance = 1e-5;  // floats of a normalised vector are within 1e-7
 
 /// Ends the check of a file that cannot be understood any further.
@@ -132,6 +133,7 @@ class GlbChecker {
     void read_images();
     void check_materials();
     void check_texture(const Json& info);
+    void check_wrap(const Json& material, const GlbPrimitive& p);
     void walk_scene();
     void walk_node(std::size_t index, const Matrix& parent);
     Matrix local_matrix(const Json& node);
@@ -256,7 +258,9 @@ void GlbChecker::check_texture(const Json& info) {
     const Json& texture = element("textures", info.at("index").get<std::size_t>());
     element("images", texture.at("source").get<std::size_t>());
     const Json& sampler = element("samplers", texture.at("sampler").get<std::size_t>());
-    expect(sampler.at("wrapS") == 33071 && sampler.at("wrapT") == 33071, "a sampler repeats");
+    const Json& wrap = sampler.at("wrapS");
+    expect(wrap == sampler.at("wrapT") && (wrap == kClampToEdge || wrap == kRepeat),
+           "a sampler wraps by {} and {}", wrap.dump(), sampler.at("wrapT").dump());
     expect(sampler.at("magFilter") == 9729, "a sampler's magFilter is not LINEAR");
     expect(sampler.at("minFilter") == 9729 || sampler.at("minFilter") == 9987,
            "a sampler's minFilter is {}", sampler.at("minFilter").dump());
@@ -441,6 +445,21 @@ void GlbChecker::check_attributes(const Json& primitive, const GlbPrimitive& p) 
     expect(is_lit == !p.normals.empty(), "normals and lighting do not go together");
     expect(has_map == !p.tangents.empty(), "tangents and normal map do not go together");
     expect(has_texture == !p.uvs.empty(), "texture and texture coordinates do not go together");
+    check_wrap(material, p);
+}
+
+// Pages repeat only where texture coordinates leave them.
+void GlbChecker::check_wrap(const Json& material, const GlbPrimitive& p) {
+    const Json& pbr = material.at("pbrMetallicRoughness");
+    if (!pbr.contains("baseColorTexture")) return;
+    const auto texture = pbr.at("baseColorTexture").at("index").get<std::size_t>();
+    const auto sampler = array("textures").at(texture).at("sampler").get<std::size_t>();
+    const bool repeats = array("samplers").at(sampler).at("wrapS") == kRepeat;
+    const bool leaves = std::any_of(p.uvs.begin(), p.uvs.end(), [](Vec2f uv) {
+        return std::min(uv.x, uv.y) < -1e-4F || std::max(uv.x, uv.y) > 1.0F + 1e-4F;
+    });
+    expect(repeats == leaves, "a sampler repeats: {}; texture coordinates outside 0..1: {}",
+           repeats, leaves);
 }
 
 void GlbChecker::check_use() {

@@ -85,6 +85,21 @@ TEST(Gltf, SeparateFilesHoldTheSameModel) {
     EXPECT_EQ(report.num_bytes, num_bytes);
 }
 
+TEST(Gltf, OnlyPagesThatRepeatAreSampledSo) {
+    const Folder folder;
+    TexturedMesh model = patch_grid(8, 2);
+    model.images[1].repeats = true;
+    for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t)
+        if (model.triangle_materials[t] == 1)
+            for (Vec2f& uv : model.mesh.uvs[t]) uv.x += 0.7F;
+    write_model(model, folder / "a.glb");
+    const GlbContents file = check_glb(folder / "a.glb");
+    EXPECT_THAT(file.problems, IsEmpty());
+    ASSERT_EQ(file.document["samplers"].size(), 2U);
+    EXPECT_EQ(file.document["samplers"][0]["wrapS"], 33071);
+    EXPECT_EQ(file.document["samplers"][1]["wrapS"], 10497);
+}
+
 TEST(Gltf, SharedTextureCoordinatesShareVertices) {
     const Folder folder;
     TexturedMesh model = patch_grid(30, 1);

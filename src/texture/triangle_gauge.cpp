@@ -1,0 +1,121 @@
+// [Wicke05] eq. (1), normalised: E = sqrt(sum A_s |c_S(p_s) - t(p_s)|^2 / (3 sum A_s)), in 8-bit
+// steps, against the splatted function c_S, which sharpening keeps close to the points' own
+// colours. E falls to the rounding of 8 bits, so refinement ends; the colours themselves have a
+// floor that no number of texels passes.
+#include "texture/triangle_gauge.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pointbake {
+namespace {
+
+constexpr int kMaxEdgeProbes = 64;        // per edge
+constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle, in splat radii
+
+}  // namespace
+
+void TriangleGauge::look_at(Index triangle) {
+    triangle_ = triangle;
+    spacing_ = mean_spacing();
+    field_.gather(triangle, kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle]));
+}
+
+double TriangleGauge::mean_spacing() const {
+    const std::span<const Footprint> own = scene_.prints.of(triangle_);
+    double area = 0.0;
+    for (const Footprint& f : own) area += static_cast<double>(cloud_.areas[f.point]);
+    if (area > 0.0) return std::sqrt(area / static_cast<double>(own.size()));
+    return static_cast<double>(scene_.prints.reach[triangle_]) /
+           (static_cast<double>(scene_.kernel.sigma * scene_.kernel.cut));
+}
+
+// [Wicke05] eq. (2) with the 5 % quantile of the spacings instead of their minimum: one close pair
+// decides nothing.
+double TriangleGauge::min_pitch() const {
+    std::vector<float> areas;
+    for (const Footprint& f : scene_.prints.of(triangle_)) areas.push_back(cloud_.areas[f.point]);
+    if (areas.empty()) return spacing_ / (2.0 * std::sqrt(2.0));
+    const auto low = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 20);
+    std::nth_element(areas.begin(), low, areas.end());
+    const double d = std::max(std::sqrt(static_cast<double>(*low)), 0.25 * spacing_);
+    return d / (2.0 * std::sqrt(2.0));
+}
+
+// Coarse texels average what they cover; texels finer than the points have nothing to average.
+float TriangleGauge::low_pass_variance(double pitch) const {
+    const Kernel& kernel = scene_.kernel;
+    if (!kernel.fades_low_pass) return kernel.low_pass;
+    const double ratio = spacing_ > 0.0 ? pitch / spacing_ : 1.0;
+    return kernel.low_pass * static_cast<float>(std::clamp(2.0 * ratio - 1.0, 0.0, 1.0));
+}
+
+PatchTexels TriangleGauge::texels(const PatchLayout& layout) const {
+    const double texels_per_area =
+        std::fabs(static_cast<double>(cross(layout.column_x, layout.column_y)));
+    return splat_patch(field_, values_, kind_, layout,
+                       low_pass_variance(1.0 / std::sqrt(texels_per_area)));
+}
+
+void TriangleGauge::place_probes() {
+    probes_.clear();
+    const std::span<const Footprint> own = scene_.prints.of(triangle_);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+        const Footprint& f = own[k];
+        if (f.hidden) continue;
+        const float area = cloud_.areas[f.point];
+        if (is_paper_)
+            probes_.push_back(
+                {f.center, to_steps(kind_, values_[scene_.prints.begin[triangle_] + k]), area});
+        else
+            add_probe(f.center, area);
+    }
+    if (!is_paper_) add_border_probes();
+}
+
+void TriangleGauge::add_probe(Vec2f place, float weight) {
+    const SplatSum s = field_.evaluate(place, values_);
+    if (s.weight > 0.0F) probes_.push_back({place, to_steps(kind_, s.sum / s.weight), weight});
+}
+
+// The points say nothing of the border, where the neighbour's patch takes over: look there, too.
+void TriangleGauge::add_border_probes() {
+    const TriangleFrame& frame = scene_.shell.frame(triangle_);
+    const auto weight = static_cast<float>(std::min(0.5 * spacing_ * spacing_, frame.area() / 4.0));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2d from = frame.corners[k], along = frame.corners[(k + 1) % 3] - from;
+        const int count = std::clamp(static_cast<int>(length(along) / spacing_), 1, kMaxEdgeProbes);
+        for (int i = 0; i < count; ++i)
+            add_probe(vec_cast<float>(from + along * (static_cast<double>(i) / count)), weight);
+    }
+}
+
+float TriangleGauge::error(const PatchTexels& texels) const {
+    return is_paper_ ? paper_error(texels) : rms_error(texels);
+}
+
+float TriangleGauge::rms_error(const PatchTexels& texels) const {
+    double sum = 0.0, weight = 0.0;
+    for (const Probe& p : probes_) {
+        const Vec3f read = sample_bilinear(texels, kind_, texels.layout.texel_of(p.place));
+        const Vec3f d = to_steps(kind_, read) - p.wanted;
+        sum += static_cast<double>(p.weight) * static_cast<double>(squared_length(d));
+        weight += static_cast<double>(p.weight);
+    }
+    return weight > 0.0 ? static_cast<float>(std::sqrt(sum / (3.0 * weight))) : 0.0F;
+}
+
+// [Wicke05] eq. (1) to the letter, as far as it can be: sum A_s |c_s - t(p_s)|, per area of the
+// triangle.
+float TriangleGauge::paper_error(const PatchTexels& texels) const {
+    double sum = 0.0;
+    for (const Probe& p : probes_) {
+        const Vec3f read = sample_bilinear(texels, kind_, texels.layout.texel_of(p.place));
+        sum += static_cast<double>(p.weight) *
+               static_cast<double>(length(to_steps(kind_, read) - p.wanted));
+    }
+    const double area = scene_.shell.frame(triangle_).area();
+    return area > 0.0 ? static_cast<float>(sum / area) : 0.0F;
+}
+
+}  // namespace pointbake

@@ -1,0 +1,88 @@
+#include "texture/visibility.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "texture/planes.h"
+
+namespace pointbake {
+namespace {
+
+constexpr int kSide = 40;
+constexpr double kSpacing = 1.0 / kSide;
+
+void add_point(Painted& p, Vec3d position, Vec3d normal, Index owner) {
+    p.cloud.positions.push_back(position);
+    p.cloud.normals.push_back(vec_cast<float>(normalized(normal)));
+    p.cloud.colors.push_back({0, 0, 65535});
+    p.cloud.areas.push_back(static_cast<float>(kSpacing * kSpacing));
+    p.cloud.rows.push_back(p.cloud.rows.size());
+    p.owners.push_back(owner);
+}
+
+Painted red_square() {
+    return painted_square(kSide, [](double, double) { return Vec3d{0.8, 0.1, 0.1}; });
+}
+
+// The same points again, blue, `depth` spacings below.
+Painted with_layer_below(double depth) {
+    Painted p = red_square();
+    const std::size_t n = p.cloud.size();
+    for (std::size_t i = 0; i < n; ++i)
+        add_point(p, p.cloud.positions[i] - Vec3d{0.0, 0.0, depth * kSpacing}, {0, 0, 1},
+                  p.owners[i]);
+    return p;
+}
+
+std::size_t num_hidden(const Painted& p) {
+    const Context context;
+    const auto neighbors = triangle_neighbors(p.mesh.triangles);
+    const Shell shell(p.mesh, Projection::kInterpolated, context);
+    Footprints prints =
+        project_points(p.mesh, p.cloud, p.owners, shell, neighbors, Kernel{}, context);
+    hide_covered_in_place(prints, p.cloud, shell, context);
+    return static_cast<std::size_t>(
+        std::ranges::count_if(prints.items, [](const Footprint& f) { return f.hidden; }));
+}
+
+TEST(Visibility, LayerBelowIsNotSeen) {
+    const Painted p = with_layer_below(4.0);
+    EXPECT_EQ(num_hidden(p), p.cloud.size() / 2);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const BakedTexture baked =
+        bake_apart(baker, baker.plan(4.0, std::numeric_limits<std::int64_t>::max()));
+    const Vec3d c = color_at(baked.model, 0, {0.3, 0.3, 0.4});
+    EXPECT_NEAR(c.x, 0.8 * 255, 1.0);
+    EXPECT_NEAR(c.z, 0.1 * 255, 1.0);
+}
+
+TEST(Visibility, OneSheetHidesNothingOfItself) {
+    EXPECT_EQ(num_hidden(red_square()), 0U);
+    EXPECT_EQ(num_hidden(with_layer_below(1.0)), 0U) << "nearer than the gap: noise, not a layer";
+}
+
+TEST(Visibility, OneOutlierHidesNothing) {
+    Painted p = red_square();
+    add_point(p, {0.7, 0.3, 6.0 * kSpacing}, {0, 0, 1}, 0);
+    EXPECT_EQ(num_hidden(p), 0U);
+}
+
+TEST(Visibility, TheSidesOfARidgeDoNotHideEachOther) {
+    // A roof over the square, its ridge along y: sides at 45 and at 70 degrees.
+    for (const double slope : {1.0, 2.7}) {
+        Painted p = red_square();
+        for (std::size_t i = 0; i < p.cloud.size(); ++i) {
+            Vec3d& x = p.cloud.positions[i];
+            const double side = x.x < 0.5 ? 1.0 : -1.0;
+            x.z = -slope * std::fabs(x.x - 0.5);
+            p.cloud.normals[i] = vec_cast<float>(normalized(Vec3d{-side * slope, 0.0, 1.0}));
+            p.cloud.areas[i] *= static_cast<float>(std::sqrt(1.0 + slope * slope));
+        }
+        EXPECT_EQ(num_hidden(p), 0U) << slope;
+    }
+}
+
+}  // namespace
+}  // namespace pointbake
