@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/color.h"
 #include "core/message.h"
 #include "core/parallel.h"
 #include "model/darts.h"
@@ -43,7 +44,8 @@ PointCloud demo_cloud(std::uint64_t points, const Context& context) {
         for (std::size_t k = begin; k < end; ++k) {
             const Vec3d p = spread[k].position;
             cloud.positions[k] = p;
-            cloud.colors[k] = paint_at((p - box.low) / longest, vec_cast<double>(spread[k].normal));
+            cloud.colors[k] = rounded_to_8bit(
+                paint_at((p - box.low) / longest, vec_cast<double>(spread[k].normal)));
             cloud.rows[k] = k;
         }
     });

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/color.h"
 #include "core/message.h"
 #include "core/parallel.h"
 #include "pointbake/model.h"
@@ -125,8 +126,8 @@ PointCloud make_cloud(const TexturedMesh& model, const Samples& samples, bool pa
             cloud.areas[i] = s.area;
             cloud.radii[i] = std::sqrt(s.area);
             if (has_colors)
-                cloud.colors[i] = paint ? frame.color(cloud.positions[i], normal)
-                                        : colors.color(s, samples.spacing);
+                cloud.colors[i] = rounded_to_8bit(paint ? frame.color(cloud.positions[i], normal)
+                                                        : colors.color(s, samples.spacing));
         }
     });
     cloud.rows.resize(n);

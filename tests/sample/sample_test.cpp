@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stop_token>
 
+#include "core/color.h"
 #include "core/hash.h"
 #include "core/kdtree.h"
 #include "pointbake/error.h"
@@ -211,7 +212,8 @@ TEST(Sample, PaintsByThePlaceInTheBox) {
     ASSERT_EQ(cloud.colors.size(), cloud.size());
     for (std::size_t i = 0; i < cloud.size(); i += 17) {
         const Vec3d place = (cloud.positions[i] - Vec3d{90.0, -10.0, -10.0}) / 20.0;
-        EXPECT_EQ(cloud.colors[i], paint_at(place, vec_cast<double>(cloud.normals[i])));
+        const Rgb16 paint = paint_at(place, vec_cast<double>(cloud.normals[i]));
+        EXPECT_EQ(cloud.colors[i], rounded_to_8bit(paint));
     }
 }
 
