@@ -44,6 +44,7 @@ bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, f
 struct Sums {
     std::vector<float> red, green, blue, weight;
     explicit Sums(std::size_t n) : red(n), green(n), blue(n), weight(n) {}
+    Vec3f mean(std::size_t i) const { return Vec3f{red[i], green[i], blue[i]} / weight[i]; }
 };
 
 void accumulate(const ScreenSplat& s, const Kernel& kernel, const NeedSet& need, int width,
@@ -135,32 +136,41 @@ PatchLayout patch_layout(const TriangleFrame& frame, const std::array<Vec2d, 3>&
 }
 
 PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, MapKind kind,
-                        const PatchLayout& layout, float low_pass) {
+                        const PatchLayout& layout, TexelFilter filter) {
     PatchTexels patch;
     patch.layout = layout;
     patch.need = need_set(layout.corners);
     const int width = patch.width(), height = patch.need.shape.height();
-    Sums sums(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    const auto num_texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const bool averages = kind == MapKind::kColor && filter.linear_share > 0.0F;
+    Sums sums(num_texels), linear(averages ? num_texels : 0);
     for (const LocalSplat& s : field.splats()) {
         ScreenSplat screen;
-        if (!to_screen(s, layout, low_pass, field.kernel().cut, screen)) continue;
+        if (!to_screen(s, layout, filter.variance, field.kernel().cut, screen)) continue;
         screen.value = values[s.item];
         accumulate(screen, field.kernel(), patch.need, width, sums);
+        if (!averages) continue;
+        screen.value = value_to_linear(screen.value);
+        accumulate(screen, field.kernel(), patch.need, width, linear);
     }
-    patch.values.resize(sums.weight.size());
+    patch.values.resize(num_texels);
     for (int row = 0; row < height; ++row) {
         const PatchShape::Span span = patch.need.shape.rows[static_cast<std::size_t>(row)];
         for (int i = span.left; i <= span.right; ++i) {
             const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
                             static_cast<std::size_t>(i);
-            SplatSum texel{{sums.red[at], sums.green[at], sums.blue[at]}, sums.weight[at]};
-            if (!(texel.weight > kMinWeight)) {
-                const Vec2f u{static_cast<float>(i + patch.need.offset_x),
-                              static_cast<float>(row + patch.need.offset_y)};
-                texel = field.evaluate(layout.place_of(u), values);
-                ++patch.num_uncovered;
+            Vec3f& value = patch.values[at];
+            if (sums.weight[at] > kMinWeight) {
+                value = sums.mean(at);
+                if (averages)
+                    value += (linear_to_value(linear.mean(at)) - value) * filter.linear_share;
+                continue;
             }
-            if (texel.weight > 0.0F) patch.values[at] = texel.sum / texel.weight;
+            const Vec2f u{static_cast<float>(i + patch.need.offset_x),
+                          static_cast<float>(row + patch.need.offset_y)};
+            const SplatSum wide = field.evaluate(layout.place_of(u), values);
+            if (wide.weight > 0.0F) value = wide.sum / wide.weight;
+            ++patch.num_uncovered;
         }
     }
     encode_texels(patch, kind);
@@ -180,7 +190,8 @@ Vec3f sample_bilinear(const PatchTexels& patch, MapKind kind, Vec2f u) {
     const auto at = [&](int i, int j) { return decode(kind, patch.texel(i, j)); };
     const Vec3f top = at(x0, y0) * (1.0F - fx) + at(x1, y0) * fx;
     const Vec3f bottom = at(x0, y1) * (1.0F - fx) + at(x1, y1) * fx;
-    return top * (1.0F - fy) + bottom * fy;
+    const Vec3f read = top * (1.0F - fy) + bottom * fy;
+    return kind == MapKind::kColor ? linear_to_value(read) : read;
 }
 
 }  // namespace pointbake

@@ -33,7 +33,7 @@ inline constexpr double kOneTexel = 0.0;  ///< density of the one-texel patch
 struct PatchTexels {
     PatchLayout layout;
     NeedSet need;
-    std::vector<Vec3f> values;        ///< width * height, linear light
+    std::vector<Vec3f> values;        ///< width * height, as coding.h has them
     std::vector<std::uint8_t> coded;  ///< 3 per texel
     std::uint64_t num_uncovered = 0;
 
@@ -45,14 +45,19 @@ struct PatchTexels {
     }
 };
 
-/// Splats the gathered field into a patch of the given layout (EWA, [Zwicker01]); low_pass is the
-/// variance of the screen filter in texels^2. Texels that no splat reaches take the widened splats'
-/// value and are counted.
+/// How texels stand to the points' spacing.
+struct TexelFilter {
+    float variance = 0.0F;      ///< of the screen filter, texels^2
+    float linear_share = 0.0F;  ///< 0: texels interpolate codes; 1: they average linear light
+};
+
+/// Splats the gathered field into a patch of the given layout (EWA, [Zwicker01]). Texels that no
+/// splat reaches take the widened splats' value and are counted.
 PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, MapKind kind,
-                        const PatchLayout& layout, float low_pass);
+                        const PatchLayout& layout, TexelFilter filter);
 
 /// What a renderer reads at texel coordinates u (integers are centres): bilinear over the decoded
-/// bytes.
+/// bytes, in linear light for colours. As a value.
 Vec3f sample_bilinear(const PatchTexels& patch, MapKind kind, Vec2f u);
 
 }  // namespace pointbake

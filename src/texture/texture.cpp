@@ -24,7 +24,7 @@ std::vector<Vec3f> map_values(const PointCloud& cloud, MapKind kind, const Footp
     std::vector<Vec3f> values(prints.items.size());
     for (std::size_t i = 0; i < values.size(); ++i) {
         const Index p = prints.items[i].point;
-        values[i] = kind == MapKind::kColor ? to_linear(cloud.colors[p]) : cloud.normals[p];
+        values[i] = kind == MapKind::kColor ? color_value(cloud.colors[p]) : cloud.normals[p];
     }
     return values;
 }

@@ -43,18 +43,20 @@ double TriangleGauge::min_pitch() const {
 }
 
 // Coarse texels average what they cover; texels finer than the points have nothing to average.
-float TriangleGauge::low_pass_variance(double pitch) const {
+TexelFilter TriangleGauge::filter(double pitch) const {
     const Kernel& kernel = scene_.kernel;
-    if (!kernel.fades_low_pass) return kernel.low_pass;
     const double ratio = spacing_ > 0.0 ? pitch / spacing_ : 1.0;
-    return kernel.low_pass * static_cast<float>(std::clamp(2.0 * ratio - 1.0, 0.0, 1.0));
+    const auto rise = [&](double from, double to) {
+        return static_cast<float>(std::clamp((ratio - from) / (to - from), 0.0, 1.0));
+    };
+    const float fade = kernel.fades_low_pass ? rise(0.5, 1.0) : 1.0F;
+    return {kernel.low_pass * fade, rise(1.0, 2.0)};
 }
 
 PatchTexels TriangleGauge::texels(const PatchLayout& layout) const {
     const double texels_per_area =
         std::fabs(static_cast<double>(cross(layout.column_x, layout.column_y)));
-    return splat_patch(field_, values_, kind_, layout,
-                       low_pass_variance(1.0 / std::sqrt(texels_per_area)));
+    return splat_patch(field_, values_, kind_, layout, filter(1.0 / std::sqrt(texels_per_area)));
 }
 
 void TriangleGauge::place_probes() {

@@ -38,7 +38,7 @@ class TriangleGauge {
         float weight;
     };
     double mean_spacing() const;
-    float low_pass_variance(double pitch) const;
+    TexelFilter filter(double pitch) const;
     void add_probe(Vec2f place, float weight);
     void add_border_probes();
     float rms_error(const PatchTexels& texels) const;

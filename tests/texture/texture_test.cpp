@@ -78,6 +78,27 @@ TEST(Texture, FlatTrianglesCostNextToNothingBesideLettering) {
     EXPECT_GE(plan.shapes[1].num_texels(), 200);
 }
 
+TEST(Texture, CoarseTexelsAverageLinearLight) {
+    const Painted p = painted_square(80, [](double x, double y) {
+        const double v = (static_cast<int>(x * 80) + static_cast<int>(y * 80)) % 2;
+        return Vec3d{v, v, v};
+    });
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TexturePlan plan = baker.plan(HUGE_VAL, 2);
+    ASSERT_EQ(plan.num_needed, 2);
+    // Half the light; half the code would be 128.
+    EXPECT_NEAR(color_at(bake_apart(baker, plan).model, 0, {0.3, 0.3, 0.4}).x, 187.5, 3.0);
+}
+
+TEST(Texture, FineTexelsInterpolateCodes) {
+    const Painted p = painted_square(
+        16, [](double x, double) { return x < 0.5 ? Vec3d{0, 0, 0} : Vec3d{1, 1, 1}; });
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const BakedTexture baked = bake_apart(baker, baker.plan(1.0, kNoBudget));
+    // Midway between the last black points and the first white ones; in linear light it is 188.
+    EXPECT_NEAR(color_at(baked.model, 0, {0.5, 0.25, 0.25}).x, 127.5, 15.0);
+}
+
 TEST(Texture, SharpeningBringsBackWhatSplattingSmooths) {
     // A wave as long as 5 points: the splats alone are 8.6 steps off.
     const auto fine = [](double x, double y) {
