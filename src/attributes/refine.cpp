@@ -22,7 +22,7 @@ constexpr std::size_t kGrain = 2048;  // points per chunk: about a millisecond
 // of random points reach it by chance, but not half of them.
 constexpr double kStretchedRing = 2.0;
 constexpr double kMostStretched = 6.0;  // longer ellipses than that say more than a ring can know
-constexpr double kSigma = 0.5;          // standard deviation of a splat over its spacing
+constexpr double kSigma = 0.6;          // standard deviation of a splat over its spacing
 
 /// The direction that is outward at each point; zero = not told.
 using Sides = std::vector<Vec3f>;

@@ -16,10 +16,10 @@ constexpr float gaussian(float q) {
 
 /// How a surfel is drawn.
 struct Kernel {
-    float sigma = 0.5F;  ///< standard deviation over sqrt(area of the point)
-    float cut = 3.0F;    ///< in standard deviations
-    float cut2 = 9.0F;
-    float rim = gaussian(9.0F);  ///< value that is taken off so that the kernel ends at 0
+    float sigma = 0.6F;  ///< standard deviation over sqrt(area of the point)
+    float cut = 2.5F;    ///< in standard deviations
+    float cut2 = 6.25F;
+    float rim = gaussian(6.25F);  ///< value that is taken off so that the kernel ends at 0
     float low_pass = 0.25F;  ///< variance of the screen filter where texels are coarse, texels^2
     bool fades_low_pass = true;  ///< the filter vanishes where texels are finer than the points
 
