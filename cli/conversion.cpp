@@ -37,6 +37,8 @@ std::vector<std::string> names(const std::vector<fs::path>& paths) {
 void check_options(const Job& job) {
     if (!(job.write.scale > 0.0))
         fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", job.write.scale);
+    if (job.convert.texture.keep_uvs && job.mesh.mesh.empty())
+        fail(ErrorCode::kInvalidOption, "--keep-uvs needs a mesh to keep them of: --mesh FILE");
     if (job.output.empty() && job.files.work_dir.empty())
         fail(ErrorCode::kInvalidOption,
              "--stop-after {} needs a place for its result: OUTPUT or --work-dir DIR",

@@ -31,6 +31,7 @@ std::string cap_reasons(const CappedCounts& capped) {
     append(capped.by_count, "with 8 texels per point");
     append(capped.by_size, "as large as a patch may be");
     append(capped.by_budget, "for want of texels");
+    append(capped.by_layout, "by the given layout");
     return text;
 }
 
@@ -62,8 +63,9 @@ std::string bound_plan(const std::optional<Length>& error, double diagonal) {
     return fmt::format("no point farther than {:.4g}", length.in_units(diagonal));
 }
 
-std::string simplify_plan(const SimplifyOptions& options, double diagonal) {
-    if (options.keep_mesh) return "kept as it is";
+std::string simplify_plan(const ConvertOptions& convert, double diagonal) {
+    const SimplifyOptions& options = convert.simplify;
+    if (options.keep_mesh || convert.texture.keep_uvs) return "kept as it is";
     const bool has_bound = options.geometry_error || options.triangles == 0;
     std::string text = has_bound ? bound_plan(options.geometry_error, diagonal) : "";
     if (options.triangles == 0) return text;
@@ -143,7 +145,7 @@ std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input) {
     append("points", fmt::format("{}, {} across", grouped(input.cloud.size()),
                                  fmt::format("{:.6g}", box.diagonal())));
     append("surface", surface_plan(job, input));
-    append("simplify", simplify_plan(job.convert.simplify, box.diagonal()));
+    append("simplify", simplify_plan(job.convert, box.diagonal()));
     append("colours", input.cloud.colors.empty() ? "none in the file" : "in the file");
     append("texture", texture_plan(job.convert.texture));
     append("stop after", to_word(job.stop.stop_after));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/message.h"
@@ -18,12 +19,6 @@ struct Fitted {
     std::vector<PageSize> pages;
     std::vector<Placement> placements;
 };
-
-std::int64_t num_texels(std::span<const PageSize> pages) {
-    std::int64_t sum = 0;
-    for (const PageSize& p : pages) sum += std::int64_t{p.width} * p.height;
-    return sum;
-}
 
 // No patch may be larger than the pages that the budget buys.
 int smallest_page_side(const ConvertOptions& options) {
@@ -102,14 +97,21 @@ BakeResult finish(BakedTexture baked, TextureReport texture, std::vector<PageSiz
     return out;
 }
 
+// Of width 0 if the material has no image.
+GivenLayout::Page page_of_material(const TexturedMesh& given, Index material) {
+    if (material >= given.materials.size()) return {"page0", {}};
+    const Material& m = given.materials[material];
+    const auto image = static_cast<std::size_t>(m.color_image);
+    if (m.color_image < 0 || image >= given.images.size()) return {m.name, {}};
+    return {m.name, {given.images[image].width, given.images[image].height}};
+}
+
 double bound_of(const TextureOptions& options) {
     return options.texture_error.value_or(options.texels > 0 ? HUGE_VAL : kDefaultTextureError);
 }
 
-}  // namespace
-
-BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
-                        const ConvertOptions& given, const Context& context) {
+BakeResult pack_and_bake(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
+                         const ConvertOptions& given, const Context& context) {
     ConvertOptions options = given;
     if (options.texture.paper) {
         options.texture.projection = Projection::kOrthographic;
@@ -126,21 +128,68 @@ BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<con
                   context);
 }
 
-BakeResult bake_into_layout(const Mesh& mesh, const GivenLayout& layout, const PointCloud& cloud,
-                            std::span<const Index> owners, const ConvertOptions& options,
-                            const Context& context) {
+BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
+                            std::span<const Index> owners, const GivenLayout& layout,
+                            const ConvertOptions& options, const Context& context) {
+    std::vector<PageSize> proportions;
+    for (const GivenLayout::Page& page : layout.pages) proportions.push_back(page.proportions);
+    constexpr std::int64_t kNoBudget = std::numeric_limits<std::int64_t>::max();
+    const auto texels = static_cast<std::int64_t>(options.texture.texels);
+    const GivenLimits limits{
+        bound_of(options.texture),
+        scaled_pages(proportions, texels > 0 ? texels : kNoBudget, options.atlas),
+        texels > 0 &&
+            num_texels(scaled_pages(proportions, kNoBudget, options.atlas).back()) > texels};
     const TextureBaker baker(mesh, cloud, owners, options.texture, context);
-    const std::int64_t max_texels = options.texture.texels > 0
-                                        ? static_cast<std::int64_t>(options.texture.texels)
-                                        : std::numeric_limits<std::int64_t>::max();
-    GivenBake baked = baker.bake_given(layout, bound_of(options.texture), max_texels,
-                                       options.atlas.page_size, context);
+    GivenBake baked = baker.bake_given(layout, limits, context);
+    BakeResult out =
+        finish(std::move(baked.texture), baked.report, std::move(baked.pages), context);
     if (baked.num_shared_texels > 0)
-        log(context, LogLevel::kWarning,
-            "--keep-uvs: {} texels lie in several triangles (a mirrored layout); they show the "
-            "first one's colours",
-            baked.num_shared_texels);
-    return finish(std::move(baked.texture), baked.report, std::move(baked.pages), context);
+        out.warnings.push_back(
+            fmt::format("--keep-uvs: {} texels lie in several triangles (a mirrored or repeated "
+                        "layout); they show the first one's colours",
+                        baked.num_shared_texels));
+    if (baked.num_without_area > 0)
+        out.warnings.push_back(fmt::format(
+            "--keep-uvs: {} triangles cover no area of the layout or of space; they are "
+            "not painted",
+            baked.num_without_area));
+    return out;
+}
+
+}  // namespace
+
+GivenLayout given_layout(const TexturedMesh& given) {
+    GivenLayout out;
+    out.triangle_pages = given.triangle_materials;
+    if (out.triangle_pages.empty()) out.triangle_pages.resize(given.mesh.triangles.size(), 0);
+    std::vector<Index> page_of(std::max<std::size_t>(given.materials.size(), 1), kInvalidIndex);
+    int largest = 1;
+    for (Index& material : out.triangle_pages) {
+        if (material >= page_of.size())
+            fail(ErrorCode::kInvalidInput, "a triangle has material {}, but there are {}", material,
+                 page_of.size());
+        Index& page = page_of[material];
+        if (page == kInvalidIndex) {
+            page = static_cast<Index>(out.pages.size());
+            out.pages.push_back(page_of_material(given, material));
+            const PageSize p = out.pages.back().proportions;
+            largest = std::max({largest, p.width, p.height});
+        }
+        material = page;
+    }
+    // Without an image: a square as large as the others.
+    for (GivenLayout::Page& page : out.pages)
+        if (page.proportions.width == 0) page.proportions = {largest, largest};
+    validate(given.mesh, out);
+    return out;
+}
+
+BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
+                        const std::optional<GivenLayout>& layout, const ConvertOptions& options,
+                        const Context& context) {
+    return layout ? bake_into_layout(mesh, cloud, owners, *layout, options, context)
+                  : pack_and_bake(mesh, cloud, owners, options, context);
 }
 
 }  // namespace pointbake

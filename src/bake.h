@@ -1,7 +1,11 @@
-// Texture and atlas together: sizes are chosen so that the packed pages keep the budget.
+// Texture and atlas together: sizes are chosen so that the packed pages keep the budget, or, for a
+// layout that is given, so that its pages do.
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "pointbake/convert.h"
 
@@ -11,16 +15,17 @@ struct BakeResult {
     TexturedMesh model;
     TextureReport texture;
     AtlasReport atlas;
+    std::vector<std::string> warnings;
 };
 
-/// `owners`: per point the triangle it belongs to. Never over the budget; the pages are at least
-/// 0.9 of it unless every patch is at its cap.
-BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
-                        const ConvertOptions& options, const Context& context);
+/// The layout of a mesh with a page for each material in use, shaped like its image. Throws
+/// Error{kInvalidInput} for a mesh without texture coordinates or whose parts do not fit together.
+GivenLayout given_layout(const TexturedMesh& mesh);
 
-/// --keep-uvs: into the texture coordinates that the mesh has, on pages that its materials name.
-BakeResult bake_into_layout(const Mesh& mesh, const GivenLayout& layout, const PointCloud& cloud,
-                            std::span<const Index> owners, const ConvertOptions& options,
-                            const Context& context);
+/// `owners`: per point the triangle it belongs to; `layout`: with --keep-uvs. Never over the
+/// budget; the pages are at least 0.9 of it unless every patch is at its cap.
+BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
+                        const std::optional<GivenLayout>& layout, const ConvertOptions& options,
+                        const Context& context);
 
 }  // namespace pointbake

@@ -1,7 +1,9 @@
 // The whole pipeline, stage after stage. Start reading here.
 #include "pointbake/convert.h"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "bake.h"
 #include "core/adjacency.h"
@@ -104,35 +106,15 @@ bool has_border(const Mesh& mesh) {
     return topology(mesh.positions.size(), mesh.triangles).num_boundary_edges > 0;
 }
 
-// A page for each material that is in use, shaped like its image.
-GivenLayout given_layout(const ConvertInput& input) {
-    GivenLayout out;
-    if (!input.mesh)
-        fail(ErrorCode::kInvalidOption, "--keep-uvs needs a mesh to keep them of: --mesh FILE");
-    const TexturedMesh& given = *input.mesh;
-    const std::size_t n = given.mesh.triangles.size();
-    out.triangle_pages = given.triangle_materials;
-    out.triangle_pages.resize(n, 0);
-    std::vector<Index> pages(std::max<std::size_t>(given.materials.size(), 1), kInvalidIndex);
-    for (Index& page : out.triangle_pages) {
-        Index& number = pages[page];
-        if (number == kInvalidIndex) {
-            number = static_cast<Index>(out.pages.size());
-            GivenLayout::Page& added = out.pages.emplace_back();
-            added = {"page0", {1, 1}};
-            if (page < given.materials.size()) {
-                const Material& material = given.materials[page];
-                added.name = material.name;
-                if (material.color_image >= 0) {
-                    const Image& image =
-                        given.images[static_cast<std::size_t>(material.color_image)];
-                    added.proportions = {image.width, image.height};
-                }
-            }
-        }
-        page = number;
-    }
-    return out;
+void check(const ConvertInput& input, const ConvertOptions& options) {
+    if (!options.texture.keep_uvs) return;
+    if (!input.mesh) fail(ErrorCode::kInvalidOption, "keep-uvs needs a mesh to keep them of");
+    if (options.texture.paper)
+        fail(ErrorCode::kInvalidOption,
+             "--paper lays out triangles of its own: it does not go with --keep-uvs");
+    if (options.simplify.triangles > 0)
+        fail(ErrorCode::kInvalidOption,
+             "--keep-uvs keeps the mesh: it does not go with --triangles");
 }
 
 // The mesh that comes from a file instead of from reconstruction.
@@ -164,12 +146,9 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                       const StageObserver& observer, const Context& context) {
     ConvertResult result;
     StageRunner stages(result, options, observer, context);
-    SimplifyOptions simplifying = options.simplify;
-    GivenLayout layout;
-    if (options.texture.keep_uvs) {
-        layout = given_layout(input);
-        simplifying.keep_mesh = true;
-    }
+    check(input, options);
+    std::optional<GivenLayout> layout;
+    if (options.texture.keep_uvs) layout = given_layout(*input.mesh);
 
     tell_about_faces(input, options, context);
     if (options.texture.paper) tell_paper_readings(context);
@@ -196,6 +175,8 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
         return result;
     }
     if (!stages.run(Stage::kSimplify, [&] {
+            SimplifyOptions simplifying = options.simplify;
+            simplifying.keep_mesh = simplifying.keep_mesh || layout;
             result.light = simplify(result.dense, result.cloud, simplifying, context);
             result.report.simplify = result.light.report;
         })) {
@@ -203,12 +184,9 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
     }
     stages.run(Stage::kTexture, [&] {
         settle_colors(result, context);
-        const SimplifyResult& light = result.light;
-        BakeResult baked =
-            options.texture.keep_uvs
-                ? bake_into_layout(light.mesh, layout, result.cloud, light.point_triangles, options,
-                                   context)
-                : bake_texture(light.mesh, result.cloud, light.point_triangles, options, context);
+        BakeResult baked = bake_texture(result.light.mesh, result.cloud,
+                                        result.light.point_triangles, layout, options, context);
+        for (std::string& warning : baked.warnings) warn(result, context, std::move(warning));
         result.model = std::move(baked.model);
         const bool open = has_border(result.model.mesh);
         for (Material& material : result.model.materials) material.is_double_sided = open;

@@ -54,6 +54,13 @@ Packing pack(std::span<const PatchShape> shapes, const AtlasOptions& options = {
 /// Error{kInvalidOption} below the smallest page (64 x 64).
 std::vector<PageSize> budget_pages(std::int64_t texels, const AtlasOptions& options);
 
+/// Sizes of pages whose proportions are given, all scaled alike, small to large: the longest side
+/// grows by sqrt(2), and the last sizes are the largest that page_size and a budget of `texels` for
+/// all together allow. Throws Error{kInvalidOption} for a page_size out of range, Error{kLimit} if
+/// the smallest pages are over the budget.
+std::vector<std::vector<PageSize>> scaled_pages(std::span<const PageSize> proportions,
+                                                std::int64_t texels, const AtlasOptions& options);
+
 /// Packs into the given pages; std::nullopt if they do not all fit.
 std::optional<Packing> pack_into(std::span<const PatchShape> shapes,
                                  std::span<const PageSize> pages, const AtlasOptions& options = {},

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pointbake/types.h"
@@ -44,5 +45,11 @@ struct Placement {
 struct PageSize {
     int width = 0, height = 0;
 };
+inline std::int64_t num_texels(PageSize page) { return std::int64_t{page.width} * page.height; }
+inline std::int64_t num_texels(std::span<const PageSize> pages) {
+    std::int64_t sum = 0;
+    for (const PageSize page : pages) sum += num_texels(page);
+    return sum;
+}
 
 }  // namespace pointbake

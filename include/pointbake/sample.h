@@ -28,8 +28,8 @@ struct SampleOptions {
     }
 };
 
-/// Surfels with positions, normals, radii, areas and colours (in whole 8-bit steps), ready to
-/// convert again. ldc
+/// Surfels with positions, normals, radii, areas and colours (in whole 8-bit steps: PLY files with
+/// more are not read everywhere), ready to convert again. ldc
 /// [Pfister00]: one ray grid per triangle along its dominant axis, so every sample stands for
 /// exactly spacing^2 / |n_axis|; the areas sum to the surface's within 0.2 % and every surface
 /// point is within 0.87 of the spacing (where the axis changes and at borders by added samples,

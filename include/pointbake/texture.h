@@ -53,7 +53,8 @@ struct CappedCounts {
     Index by_count = 0;    ///< 8 texels per point
     Index by_size = 0;     ///< longest side of a patch or page
     Index by_budget = 0;   ///< --texels
-    Index total() const { return by_spacing + by_count + by_size + by_budget; }
+    Index by_layout = 0;   ///< --keep-uvs: shares its texels with others, or has none
+    Index total() const { return by_spacing + by_count + by_size + by_budget + by_layout; }
 };
 
 struct TextureReport {
@@ -65,6 +66,7 @@ struct TextureReport {
     double raw_rms = 0.0,
            raw_p99 = 0.0;       ///< texture against the points' own colours, over all points
     int sharpening_rounds = 0;  ///< chosen by leave-out prediction
+    std::uint64_t num_hidden_points = 0;     ///< seen from behind, or under another layer
     std::uint64_t num_uncovered_texels = 0;  ///< no splat reached them; filled from neighbours
     std::uint64_t num_patches = 0, num_needed_texels = 0;
     double payload_texels =
@@ -89,14 +91,6 @@ struct BakedTexture {
     std::uint64_t num_uncovered = 0;      ///< texels no splat reached
 };
 
-/// What comes of baking into a given layout.
-struct GivenBake {
-    BakedTexture texture;
-    TextureReport report;
-    std::vector<PageSize> pages;
-    std::uint64_t num_shared_texels = 0;  ///< texels inside several triangles (mirrored layouts)
-};
-
 /// A layout that a mesh brings along: its texture coordinates, and a page for each of its
 /// materials.
 struct GivenLayout {
@@ -106,6 +100,25 @@ struct GivenLayout {
     };
     std::vector<Page> pages;
     std::vector<Index> triangle_pages;  ///< per triangle
+};
+
+/// Throws Error{kInvalidInput} unless the mesh has texture coordinates of at most 16 and each
+/// triangle a page.
+void validate(const Mesh& mesh, const GivenLayout& layout);
+
+struct GivenLimits {
+    double bound = 0.0;  ///< RMS per triangle, 8-bit steps; infinite: as fine as the points allow
+    std::vector<std::vector<PageSize>> sizes;  ///< of the pages to choose from, small to large
+    bool ends_with_budget = false;             ///< the budget allows no larger ones
+};
+
+/// What comes of baking into a given layout.
+struct GivenBake {
+    BakedTexture texture;
+    TextureReport report;
+    std::vector<PageSize> pages;
+    std::uint64_t num_shared_texels = 0;  ///< texels inside several triangles (mirrored layouts)
+    Index num_without_area = 0;           ///< triangles that cover no area of their page
 };
 
 /// Makes textures for one mesh and one cloud. Construction projects every point once (linear time);
@@ -131,14 +144,14 @@ class TextureBaker {
     /// Figures of a plan against a bound.
     TextureReport report(const TexturePlan& plan, double bound) const;
 
-    /// Splats into the mesh's own texture coordinates instead, on the smallest pages (all scaled
-    /// alike, the longest side at most `page_size`) where every triangle's error is at most `bound`
-    /// or its texels are as fine as its points allow, of at most `max_texels` together. Texels
-    /// that several triangles share belong to the first; pages repeat where texture coordinates
-    /// leave 0..1. Throws Error{kInvalidInput} for a mesh without texture coordinates or with ones
-    /// beyond 16, Error{kLimit} if the smallest pages are over the budget.
-    GivenBake bake_given(const GivenLayout& layout, double bound, std::int64_t max_texels,
-                         int page_size, const Context& context) const;
+    /// Splats into the mesh's own texture coordinates instead (with options.keep_uvs, which leaves
+    /// out the planning), on the first pages where every triangle's error is at most the bound or
+    /// its texels are as fine as its points allow. Texels that several triangles share belong to
+    /// the first; pages repeat where texture coordinates leave 0..1. Errors are measured on the
+    /// written pages. Throws Error{kInvalidInput} as validate() does and if no triangle covers any
+    /// area, Error{kLimit} if one covers too many texels even on the smallest pages.
+    GivenBake bake_given(const GivenLayout& layout, const GivenLimits& limits,
+                         const Context& context) const;
 
  private:
     struct Impl;

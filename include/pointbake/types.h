@@ -83,7 +83,7 @@ struct PointCloud {
 struct Image {
     int width = 0, height = 0, num_channels = 3;
     std::vector<std::uint8_t> pixels;
-    bool repeats = false;  ///< as a texture: beyond 0..1, instead of ending with its last texels
+    bool repeats = false;  ///< as a page of a model that was made: beyond 0..1 it begins again
 
     std::size_t num_texels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

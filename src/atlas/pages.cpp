@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <utility>
 
 #include "core/message.h"
 
@@ -75,7 +77,61 @@ std::vector<PageSize> split_page(std::int64_t texels, int count, const std::vect
     return parts;
 }
 
+using Pages = std::vector<PageSize>;
+
+// The proportions at a longest side, each rounded to the nearest side that there is.
+Pages scaled(std::span<const PageSize> proportions, double longest, const std::vector<int>& sides) {
+    int whole = 1;
+    for (const PageSize& p : proportions) whole = std::max({whole, p.width, p.height});
+    const auto nearest = [&](int length) {
+        const double wanted = longest * length / whole;
+        return *std::min_element(sides.begin(), sides.end(), [&](int a, int b) {
+            return std::fabs(a - wanted) < std::fabs(b - wanted);
+        });
+    };
+    Pages out;
+    for (const PageSize& p : proportions) out.push_back({nearest(p.width), nearest(p.height)});
+    return out;
+}
+
+// Single sides take the next step while that keeps the budget: they are read as texture
+// coordinates say, whatever their proportions.
+void lengthen_in_place(Pages& pages, std::int64_t texels, const std::vector<int>& sides) {
+    for (PageSize& page : pages) {
+        for (int* side : {&page.height, &page.width}) {
+            const auto next = std::upper_bound(sides.begin(), sides.end(), *side);
+            if (next == sides.end()) continue;
+            const int before = std::exchange(*side, *next);
+            if (num_texels(pages) > texels) *side = before;
+        }
+    }
+}
+
 }  // namespace
+
+std::vector<Pages> scaled_pages(std::span<const PageSize> proportions, std::int64_t texels,
+                                const AtlasOptions& options) {
+    validate(options);
+    const std::vector<int> all = sides(options);
+    const Pages smallest = scaled(proportions, all.front(), all);
+    if (num_texels(smallest) > texels)
+        fail(ErrorCode::kLimit, "a budget of {} texels: the smallest pages of this layout have {}",
+             texels, num_texels(smallest));
+    auto largest = all.end() - 1;
+    while (num_texels(scaled(proportions, *largest, all)) > texels) --largest;
+    std::vector<Pages> out{smallest};
+    for (int step = 1;; ++step) {
+        const double side =
+            std::ldexp(step % 2 == 1 ? 1.4142135623730951 : 1.0, step / 2) * all.front();
+        if (side >= *largest) break;
+        Pages pages = scaled(proportions, side, all);
+        if (num_texels(pages) > num_texels(out.back())) out.push_back(std::move(pages));
+    }
+    Pages last = scaled(proportions, *largest, all);
+    lengthen_in_place(last, texels, all);
+    if (num_texels(last) > num_texels(out.back())) out.push_back(std::move(last));
+    return out;
+}
 
 void validate(const AtlasOptions& options) {
     if (options.page_size < kPageUnit || options.page_size > kLargestPageSize)
@@ -87,12 +143,6 @@ int largest_side(const AtlasOptions& options) {
     if (options.power_of_two)
         return static_cast<int>(std::bit_floor(static_cast<unsigned>(options.page_size)));
     return options.page_size / kPageUnit * kPageUnit;
-}
-
-std::int64_t num_texels(std::span<const PageSize> pages) {
-    std::int64_t sum = 0;
-    for (const PageSize& page : pages) sum += num_texels(page);
-    return sum;
 }
 
 std::vector<PageSize> pages_that_hold(std::int64_t texels, PageSize smallest,

@@ -23,7 +23,4 @@ int largest_side(const AtlasOptions& options);
 std::vector<PageSize> pages_that_hold(std::int64_t texels, PageSize smallest,
                                       const AtlasOptions& options);
 
-inline std::int64_t num_texels(PageSize page) { return std::int64_t{page.width} * page.height; }
-std::int64_t num_texels(std::span<const PageSize> pages);
-
 }  // namespace pointbake

@@ -11,6 +11,7 @@
 #include "core/kdtree.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "core/splat.h"
 #include "pointbake/attributes.h"
 
 namespace pointbake {
@@ -22,7 +23,6 @@ constexpr std::size_t kGrain = 2048;  // points per chunk: about a millisecond
 // of random points reach it by chance, but not half of them.
 constexpr double kStretchedRing = 2.0;
 constexpr double kMostStretched = 6.0;  // longer ellipses than that say more than a ring can know
-constexpr double kSigma = 0.6;          // standard deviation of a splat over its spacing
 
 /// The direction that is outward at each point; zero = not told.
 using Sides = std::vector<Vec3f>;
@@ -145,8 +145,8 @@ void fill_axes_in_place(PointCloud& cloud, const SurfaceRings& rings, const Cont
             const bool is_known = ring.area > 0.0 && squared_length(normal) > 0.0;
             const Stretch s = stretch_of(is_known ? ring.moments : SymmetricMatrix{}, normal);
             const auto area = static_cast<double>(cloud.areas[i]);
-            axes[i].u = vec_cast<float>(s.u * (kSigma * std::sqrt(area * s.ratio)));
-            axes[i].v = vec_cast<float>(s.v * (kSigma * std::sqrt(area / s.ratio)));
+            axes[i].u = vec_cast<float>(s.u * (double{kSplatSigma} * std::sqrt(area * s.ratio)));
+            axes[i].v = vec_cast<float>(s.v * (double{kSplatSigma} * std::sqrt(area / s.ratio)));
             num_stretched += s.ratio > kStretchedRing ? 1U : 0U;
         }
         return num_stretched;

@@ -31,7 +31,7 @@ inline Rgb16 rgb16_from_8bit(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
 inline std::uint8_t to_8bit(std::uint16_t v) {
     return static_cast<std::uint8_t>((v + 128U) / 257U);
 }
-/// The nearest colour of 8 bits: PLY files with more are not read everywhere.
+/// The nearest colour of 8 bits.
 inline Rgb16 rounded_to_8bit(Rgb16 c) {
     return rgb16_from_8bit(to_8bit(c.r), to_8bit(c.g), to_8bit(c.b));
 }

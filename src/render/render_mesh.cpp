@@ -129,13 +129,16 @@ struct LinearImage {
         return {table[image.pixels[at]], table[image.pixels[at + step]],
                 table[image.pixels[at + 2 * step]]};
     }
-    // Bilinear, clamped to the edge; (0, 0) is the upper left corner.
+    int place(int i, int size) const {
+        return image.repeats ? ((i % size) + size) % size : std::clamp(i, 0, size - 1);
+    }
+    // Bilinear; (0, 0) is the upper left corner.
     Vec3f at(double u, double v) const {
-        const double x = std::clamp(u * image.width - 0.5, 0.0, image.width - 1.0);
-        const double y = std::clamp(v * image.height - 0.5, 0.0, image.height - 1.0);
-        const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-        const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
-        const auto s = static_cast<float>(x - x0), t = static_cast<float>(y - y0);
+        const double x = u * image.width - 0.5, y = v * image.height - 0.5;
+        const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+        const int x0 = place(i, image.width), x1 = place(i + 1, image.width);
+        const int y0 = place(j, image.height), y1 = place(j + 1, image.height);
+        const auto s = static_cast<float>(x - i), t = static_cast<float>(y - j);
         return (texel(x0, y0) * (1.0F - s) + texel(x1, y0) * s) * (1.0F - t) +
                (texel(x0, y1) * (1.0F - s) + texel(x1, y1) * s) * t;
     }

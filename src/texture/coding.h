@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "core/color.h"
 #include "pointbake/types.h"
@@ -19,20 +19,24 @@ inline Vec3f color_value(Rgb16 c) {
     return Vec3f{static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b)} /
            65535.0F;
 }
-/// Linear light of a colour value; clamps.
-inline Vec3f value_to_linear(Vec3f v) {
-    const auto code = [](float x) {
-        return static_cast<std::uint16_t>(std::clamp(x, 0.0F, 1.0F) * 65535.0F + 0.5F);
-    };
-    return to_linear({code(v.x), code(v.y), code(v.z)});
-}
 inline Vec3f linear_to_value(Vec3f v) {
     return Vec3f{linear_to_srgb255(v.x), linear_to_srgb255(v.y), linear_to_srgb255(v.z)} / 255.0F;
 }
 
-/// Value on the 8-bit scale (0..255, not rounded): errors are measured here.
+/// What is splatted, per item of the footprints.
+struct MapValues {
+    MapKind kind = MapKind::kColor;
+    std::span<const Vec3f> values;  ///< sharpened
+    std::span<const Vec3f> linear;  ///< the points' own colours in linear light; empty for normals
+};
+
+/// Value on the 8-bit scale (0..255, not rounded): errors are measured here. Colours beyond black
+/// and white, which sharpening makes, are seen as those.
 inline Vec3f to_steps(MapKind kind, Vec3f v) {
-    if (kind == MapKind::kColor) return v * 255.0F;
+    if (kind == MapKind::kColor) {
+        const auto step = [](float x) { return std::clamp(255.0F * x, 0.0F, 255.0F); };
+        return {step(v.x), step(v.y), step(v.z)};
+    }
     return {127.5F * (v.x + 1.0F), 127.5F * (v.y + 1.0F), 127.5F * (v.z + 1.0F)};
 }
 

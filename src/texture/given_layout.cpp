@@ -1,8 +1,12 @@
-// Each triangle tells the smallest size that it is content with; the largest of those is taken.
+// Each triangle tells the first size that it is content with; the largest of those is taken. A
+// texel belongs to the first triangle that covers its centre, else to the first that needs it; then
+// what came out is measured on the pages.
 #include "texture/given_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 
 #include "core/message.h"
 #include "core/parallel.h"
@@ -11,161 +15,96 @@
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kGrain = 32;  // triangles per chunk
-constexpr int kPageStep = 64;
+constexpr std::size_t kGrain = 32;       // triangles per chunk
+constexpr std::size_t kPoll = 1U << 14;  // triangles between two looks at the stop token
 constexpr float kRounding = 1e-4F;  // texture coordinates beyond the page by less do not repeat it
 constexpr float kFarthest = 16.0F;  // beyond, a layout is a pattern
-constexpr float kNothingToGain = 0.35F;  // 8-bit rounding alone is 0.29
-constexpr double kInside = 1e-6;         // barycentrics: nearer to an edge counts as on it
-constexpr double kLeastArea = 1e-12;     // of the page: less is a line
+constexpr double kInside = 1e-6;    // barycentrics: nearer to an edge counts as on it
+// Height over the longest side, of a triangle and of its place in the page: less is a line.
+constexpr double kLine = 1e-4;
+constexpr double kLargestBox = 1 << 25;  // texels around one triangle
 
-// Visits the texels that a triangle needs: x, y as its corners have them, and the place in the
-// page; those beyond a page that does not repeat are left out.
-template <class Visit>
-void for_each_texel(const std::array<Vec2d, 3>& corners, const PageSize& page, bool repeats,
-                    Visit&& visit) {
-    const auto wrapped = [](int i, int size) { return ((i % size) + size) % size; };
-    const NeedSet need = need_set(corners);
-    for (int row = 0; row < need.shape.height(); ++row) {
-        const int y = row + need.offset_y;
-        if (!repeats && (y < 0 || y >= page.height)) continue;
-        const PatchShape::Span span = need.shape.rows[static_cast<std::size_t>(row)];
-        int first = span.left + need.offset_x, last = span.right + need.offset_x;
-        if (!repeats) first = std::max(first, 0), last = std::min(last, page.width - 1);
-        const auto start = static_cast<std::size_t>(wrapped(y, page.height)) *
-                           static_cast<std::size_t>(page.width);
-        for (int x = first; x <= last; ++x)
-            visit(x, y, start + static_cast<std::size_t>(wrapped(x, page.width)));
-    }
-}
+using Corners = std::array<Vec2d, 3>;
+using Pages = std::vector<PageSize>;
 
-std::array<Vec2d, 3> texels_of(const std::array<Vec2f, 3>& uvs, const PageSize& page) {
-    std::array<Vec2d, 3> out;
+Corners texels_of(const std::array<Vec2f, 3>& uvs, PageSize page) {
+    Corners out;
     for (std::size_t k = 0; k < 3; ++k)
         out[k] = {static_cast<double>(uvs[k].x) * page.width - 0.5,
                   static_cast<double>(uvs[k].y) * page.height - 0.5};
     return out;
 }
 
+bool has_area(const Corners& c) {
+    double longest = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, length(c[(k + 1) % 3] - c[k]));
+    return std::fabs(cross(c[1] - c[0], c[2] - c[0])) > kLine * longest * longest;
+}
+
+double texels_around(const Corners& c) {
+    const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x});
+    const auto [top, bottom] = std::minmax({c[0].y, c[1].y, c[2].y});
+    return (right - left + 3.0) * (bottom - top + 3.0);
+}
+
 // The smallest barycentric coordinate of x.
-double depth_inside(const std::array<Vec2d, 3>& c, Vec2d x) {
+double depth_inside(const Corners& c, Vec2d x) {
     const double area = cross(c[1] - c[0], c[2] - c[0]);
     return std::min({cross(c[1] - x, c[2] - x) / area, cross(c[2] - x, c[0] - x) / area,
                      cross(c[0] - x, c[1] - x) / area});
 }
 
-using Pages = std::vector<PageSize>;
+// A page as a renderer finds its texels.
+struct PageGrid {
+    PageSize size;
+    bool repeats = false;
 
-std::int64_t num_texels(const Pages& pages) {
-    std::int64_t sum = 0;
-    for (const PageSize& p : pages) sum += std::int64_t{p.width} * p.height;
-    return sum;
-}
-
-// Pages in their proportions, the longest side as given, all sides multiples of 64.
-Pages scaled_pages(const GivenLayout& layout, double side) {
-    int longest = 1;
-    for (const GivenLayout::Page& p : layout.pages)
-        longest = std::max({longest, p.proportions.width, p.proportions.height});
-    const auto scaled = [&](int length) {
-        return kPageStep * std::max(1, static_cast<int>(side * length / longest / kPageStep + 0.5));
-    };
-    Pages pages;
-    for (const GivenLayout::Page& p : layout.pages)
-        pages.push_back({scaled(p.proportions.width), scaled(p.proportions.height)});
-    return pages;
-}
-
-// Sizes that the pages may take, from small to large: the longest side sqrt(2) longer each time,
-// and last the largest one that page size and budget allow.
-std::vector<Pages> page_sizes(const GivenLayout& layout, const GivenLimits& limits) {
-    int largest = limits.page_size / kPageStep * kPageStep;
-    while (largest > kPageStep && num_texels(scaled_pages(layout, largest)) > limits.max_texels)
-        largest -= kPageStep;
-    std::vector<Pages> out;
-    for (int step = 0;; ++step) {
-        const double side =
-            std::ldexp(step % 2 == 1 ? 1.4142135623730951 : 1.0, step / 2) * kPageStep;
-        if (side >= largest) break;
-        Pages pages = scaled_pages(layout, side);
-        if (out.empty() || num_texels(pages) > num_texels(out.back()))
-            out.push_back(std::move(pages));
+    int column(int x) const { return place(x, size.width); }
+    int row(int y) const { return place(y, size.height); }
+    bool holds(int x, int y) const {
+        return repeats || (x >= 0 && x < size.width && y >= 0 && y < size.height);
     }
-    out.push_back(scaled_pages(layout, largest));
-    return out;
-}
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(row(y)) * static_cast<std::size_t>(size.width) +
+               static_cast<std::size_t>(column(x));
+    }
 
-// Whether the triangle covers any area of the page.
-bool covers_area(const std::array<Vec2f, 3>& uvs) {
-    const Vec2d a = vec_cast<double>(uvs[0]);
-    return std::fabs(cross(vec_cast<double>(uvs[1]) - a, vec_cast<double>(uvs[2]) - a)) >
-           kLeastArea;
-}
-
-// Per page and texel the triangle that paints it: the first that covers its centre, else the first
-// that needs it.
-struct TexelOwners {
-    std::vector<std::vector<Index>> pages;
-    std::uint64_t num_shared = 0;  // texels whose centre lies inside several triangles
+ private:
+    int place(int i, int n) const { return repeats ? ((i % n) + n) % n : std::clamp(i, 0, n - 1); }
 };
 
-TexelOwners find_texel_owners(const Mesh& mesh, const GivenLayout& layout, const Pages& pages,
-                              const std::vector<bool>& repeats) {
-    TexelOwners out;
-    std::vector<std::vector<std::uint8_t>> is_inside;
-    for (const PageSize& page : pages) {
-        const std::size_t n =
-            static_cast<std::size_t>(page.width) * static_cast<std::size_t>(page.height);
-        out.pages.emplace_back(n, kInvalidIndex);
-        is_inside.emplace_back(n, std::uint8_t{0});
-    }
-    for (Index t = 0; t < mesh.triangles.size(); ++t) {
-        if (!covers_area(mesh.uvs[t])) continue;
-        const Index page = layout.triangle_pages[t];
-        const std::array<Vec2d, 3> corners = texels_of(mesh.uvs[t], pages[page]);
-        for_each_texel(corners, pages[page], repeats[page], [&](int x, int y, std::size_t at) {
-            const double depth =
-                depth_inside(corners, {static_cast<double>(x), static_cast<double>(y)});
-            Index& owner = out.pages[page][at];
-            if (is_inside[page][at] != 0) {
-                out.num_shared += depth > kInside ? 1 : 0;
-            } else if (depth >= -kInside) {
-                owner = t;
-                is_inside[page][at] = 1;
-            } else if (owner == kInvalidIndex) {
-                owner = t;
-            }
-        });
-    }
-    return out;
-}
-
-void check(const Mesh& mesh, const GivenLayout& layout) {
-    if (mesh.uvs.size() != mesh.triangles.size() || mesh.uvs.empty())
-        fail(ErrorCode::kInvalidInput,
-             "the mesh has no texture coordinates to bake into; without --keep-uvs it gets some");
-    if (layout.triangle_pages.size() != mesh.triangles.size())
-        fail(ErrorCode::kInvalidInput, "{} triangles, but {} pages of theirs",
-             mesh.triangles.size(), layout.triangle_pages.size());
-    for (std::size_t t = 0; t < mesh.uvs.size(); ++t) {
-        for (const Vec2f uv : mesh.uvs[t]) {
-            if (std::max(std::fabs(uv.x), std::fabs(uv.y)) <= kFarthest) continue;
-            fail(ErrorCode::kInvalidInput,
-                 "triangle {} has the texture coordinates ({:.4g}, {:.4g}): up to {} is accepted; "
-                 "without --keep-uvs a new layout is made",
-                 t, uv.x, uv.y, kFarthest);
+// Visits the texels of the page that a triangle needs, x and y as its corners have them.
+template <class Visit>
+void for_each_texel(const Corners& corners, const PageGrid& grid, Visit&& visit) {
+    const NeedSet need = need_set(corners);
+    for (int row = 0; row < need.shape.height(); ++row) {
+        const PatchShape::Span span = need.shape.rows[static_cast<std::size_t>(row)];
+        for (int i = span.left; i <= span.right; ++i) {
+            const int x = i + need.offset_x, y = row + need.offset_y;
+            if (grid.holds(x, y)) visit(x, y);
         }
     }
 }
 
-// Per page: do texture coordinates leave it?
-std::vector<bool> find_repeating(const Mesh& mesh, const GivenLayout& layout) {
-    std::vector<bool> out(layout.pages.size(), false);
-    for (std::size_t t = 0; t < mesh.uvs.size(); ++t)
-        for (const Vec2f uv : mesh.uvs[t])
-            if (std::min(uv.x, uv.y) < -kRounding || std::max(uv.x, uv.y) > 1.0F + kRounding)
-                out[layout.triangle_pages[t]] = true;
-    return out;
+// Who paints a texel: the triangle, and the x and y (as its corners have them) at which it does.
+struct TexelOwner {
+    Index triangle = kInvalidIndex;
+    std::int32_t x = 0, y = 0;
+    bool is_inside = false, is_shared = false;
+};
+
+// Bilinear, in linear light, as hardware reads a page of colours.
+Vec3f read_page(const Image& page, const PageGrid& grid, Vec2d texel) {
+    const double x0 = std::floor(texel.x), y0 = std::floor(texel.y);
+    const auto fx = static_cast<float>(texel.x - x0), fy = static_cast<float>(texel.y - y0);
+    const int x = static_cast<int>(x0), y = static_cast<int>(y0);
+    const auto at = [&](int i, int j) {
+        const std::uint8_t* p = &page.pixels[3 * grid.index(i, j)];
+        return decode(MapKind::kColor, {p[0], p[1], p[2]});
+    };
+    const Vec3f top = at(x, y) * (1.0F - fx) + at(x + 1, y) * fx;
+    const Vec3f bottom = at(x, y + 1) * (1.0F - fx) + at(x + 1, y + 1) * fx;
+    return linear_to_value(top * (1.0F - fy) + bottom * fy);
 }
 
 class Painter {
@@ -176,167 +115,281 @@ class Painter {
           mesh_(source.scene.mesh),
           layout_(layout),
           limits_(limits),
-          context_(context),
-          repeats_(find_repeating(mesh_, layout)),
-          sizes_(page_sizes(layout, limits)) {
-        if (num_texels(sizes_.front()) > limits.max_texels)
-            fail(ErrorCode::kLimit, "--texels {}: the smallest pages of this layout have {}",
-                 limits.max_texels, num_texels(sizes_.front()));
+          context_(context) {
+        find_repeating();
+        find_paintable();
     }
 
     GivenBake run() {
-        const std::size_t size = content_size();
-        GivenBake out;
-        out.pages = sizes_[size];
-        out.texture = empty_pages(source_, out.pages);
-        out.texture.model.mesh.uvs = mesh_.uvs;
-        out.texture.model.triangle_materials = layout_.triangle_pages;
-        for (std::size_t i = 0; i < out.pages.size(); ++i) {
-            out.texture.model.materials[i].name = layout_.pages[i].name;
-            out.texture.model.images[i].repeats = repeats_[i];
-        }
-        const TexelOwners owners = find_texel_owners(mesh_, layout_, out.pages, repeats_);
-        out.num_shared_texels = owners.num_shared;
-        paint(owners, out);
-        return out;
+        choose_size();
+        report_progress(context_, "texture", 0.5);
+        begin();
+        find_owners();
+        report_progress(context_, "texture", 0.6);
+        paint();
+        report_progress(context_, "texture", 0.8);
+        measure();
+        return std::move(out_);
     }
 
  private:
-    // What a triangle makes of the pages that it was painted on.
-    struct Outcome {
-        float error = 0.0F;
-        CapReason cap = CapReason::kNone;
-        double texels = 0.0;
-    };
-
-    PatchLayout patch(Index triangle, const Pages& pages) const {
-        return patch_layout(
-            source_.scene.shell.frame(triangle),
-            texels_of(mesh_.uvs[triangle], pages[layout_.triangle_pages[triangle]]));
+    void find_repeating() {
+        repeats_.assign(layout_.pages.size(), 0);
+        for (std::size_t t = 0; t < mesh_.uvs.size(); ++t)
+            for (const Vec2f uv : mesh_.uvs[t])
+                if (std::min(uv.x, uv.y) < -kRounding || std::max(uv.x, uv.y) > 1.0F + kRounding)
+                    repeats_[layout_.triangle_pages[t]] = 1;
     }
+
+    // Triangles with an area in space and in their page.
+    void find_paintable() {
+        const Pages& largest = limits_.sizes.back();
+        is_paintable_.resize(mesh_.triangles.size());
+        for (Index t = 0; t < is_paintable_.size(); ++t) {
+            is_paintable_[t] =
+                has_area(source_.scene.shell.frame(t).corners) && has_area(corners(t, largest));
+            out_.num_without_area += is_paintable_[t] == 0 ? 1 : 0;
+        }
+        if (out_.num_without_area == is_paintable_.size())
+            fail(ErrorCode::kInvalidInput,
+                 "no triangle covers any area of the layout; without --keep-uvs a new one is made");
+    }
+
+    Corners corners(Index t, const Pages& pages) const {
+        return texels_of(mesh_.uvs[t], pages[layout_.triangle_pages[t]]);
+    }
+    PageGrid grid(Index page) const { return {out_.pages[page], repeats_[page] != 0}; }
+
+    // The first size that all triangles with points are content with, as far as memory allows.
+    void choose_size() {
+        while (num_sizes_ < limits_.sizes.size() && fits(limits_.sizes[num_sizes_])) ++num_sizes_;
+        if (num_sizes_ == 0)
+            fail(ErrorCode::kLimit,
+                 "a triangle repeats its page too often to be painted; without --keep-uvs a new "
+                 "layout is made");
+        const auto wish = [&](std::size_t begin, std::size_t end) {
+            TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
+            std::size_t largest = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                const Index t = static_cast<Index>(i);
+                if (is_paintable_[t] == 0 || source_.scene.prints.of(t).empty()) continue;
+                gauge.look_at(t);
+                gauge.place_probes();
+                while (largest + 1 < num_sizes_ && !is_content(gauge, t, largest)) ++largest;
+            }
+            return largest;
+        };
+        size_ = parallel_reduce(context_, mesh_.triangles.size(), kGrain, std::size_t{0}, wish,
+                                [](std::size_t a, std::size_t b) { return std::max(a, b); });
+    }
+
+    bool fits(const Pages& pages) const {
+        for (Index t = 0; t < mesh_.triangles.size(); ++t)
+            if (texels_around(corners(t, pages)) > kLargestBox) return false;
+        return true;
+    }
+
+    bool is_content(const TriangleGauge& gauge, Index t, std::size_t size) const {
+        const PatchLayout layout =
+            patch_layout(source_.scene.shell.frame(t), corners(t, limits_.sizes[size]));
+        if (pitch(layout) <= gauge.min_pitch()) return true;
+        const auto enough = static_cast<double>(kNothingToGain);
+        return static_cast<double>(gauge.error(gauge.texels(layout))) <=
+               (limits_.bound < HUGE_VAL ? std::max(limits_.bound, enough) : enough);
+    }
+
     static double pitch(const PatchLayout& layout) {
         return 1.0 /
                std::sqrt(std::fabs(static_cast<double>(cross(layout.column_x, layout.column_y))));
     }
-    bool is_paintable(Index t) const {
-        return covers_area(mesh_.uvs[t]) && source_.scene.shell.frame(t).area() > 0.0;
+
+    void begin() {
+        out_.pages = limits_.sizes[size_];
+        out_.texture = empty_pages(source_, out_.pages);
+        TexturedMesh& model = out_.texture.model;
+        model.mesh.uvs = mesh_.uvs;
+        model.triangle_materials = layout_.triangle_pages;
+        for (std::size_t i = 0; i < out_.pages.size(); ++i) {
+            model.materials[i].name = layout_.pages[i].name;
+            model.images[i].repeats = repeats_[i] != 0;
+        }
     }
 
-    // The smallest size that every triangle is content with.
-    std::size_t content_size() const {
-        const auto wish = [&](std::size_t begin, std::size_t end) {
-            TriangleGauge gauge(source_.scene, source_.cloud, source_.kind, source_.sharpened);
-            std::size_t largest = 0;
-            for (std::size_t i = begin; i < end; ++i) {
-                const Index t = static_cast<Index>(i);
-                if (!is_paintable(t) || source_.scene.prints.of(t).empty()) continue;
-                gauge.look_at(t);
-                gauge.place_probes();
-                while (largest + 1 < sizes_.size() && !is_content(gauge, t, largest)) ++largest;
-            }
-            return largest;
-        };
-        return parallel_reduce(context_, mesh_.triangles.size(), kGrain, std::size_t{0}, wish,
-                               [](std::size_t a, std::size_t b) { return std::max(a, b); });
+    void find_owners() {
+        for (const PageSize page : out_.pages)
+            owners_.emplace_back(static_cast<std::size_t>(num_texels(page)));
+        for (Index t = 0; t < mesh_.triangles.size(); ++t) {
+            if (t % kPoll == 0) check_cancelled(context_);
+            if (is_paintable_[t] == 0) continue;
+            const Corners c = corners(t, out_.pages);
+            const Index page = layout_.triangle_pages[t];
+            const PageGrid page_grid = grid(page);
+            for_each_texel(c, page_grid, [&](int x, int y) {
+                const double depth =
+                    depth_inside(c, {static_cast<double>(x), static_cast<double>(y)});
+                TexelOwner& owner = owners_[page][page_grid.index(x, y)];
+                if (owner.is_inside) {
+                    owner.is_shared = owner.is_shared || depth > kInside;
+                } else if (depth >= -kInside || owner.triangle == kInvalidIndex) {
+                    owner = {t, x, y, depth >= -kInside, false};
+                }
+            });
+        }
     }
 
-    bool is_content(const TriangleGauge& gauge, Index t, std::size_t size) const {
-        const PatchLayout layout = patch(t, sizes_[size]);
-        if (pitch(layout) <= gauge.min_pitch()) return true;
-        const auto wanted = static_cast<double>(kNothingToGain);
-        return static_cast<double>(gauge.error(gauge.texels(layout))) <=
-               (limits_.bound < HUGE_VAL ? std::max(limits_.bound, wanted) : wanted);
-    }
-
-    void paint(const TexelOwners& owners, GivenBake& out) const {
-        RawErrors raw(source_);
-        std::vector<Outcome> outcomes(mesh_.triangles.size());
+    void paint() {
         const auto paint_range = [&](std::size_t begin, std::size_t end) {
-            TriangleGauge gauge(source_.scene, source_.cloud, source_.kind, source_.sharpened);
+            TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
             std::uint64_t num_uncovered = 0;
             for (std::size_t i = begin; i < end; ++i) {
                 const Index t = static_cast<Index>(i);
-                if (!is_paintable(t)) continue;
+                if (is_paintable_[t] == 0) continue;
                 gauge.look_at(t);
-                gauge.place_probes();
-                PatchTexels texels = gauge.texels(patch(t, out.pages));
+                PatchTexels texels = gauge.texels(
+                    patch_layout(source_.scene.shell.frame(t), corners(t, out_.pages)));
                 num_uncovered += texels.num_uncovered;
-                raw.measure(t, texels);
-                outcomes[t] = judge(gauge, texels);
-                settle_tangent(source_, t, {}, texels, out.texture.model);
-                copy(t, texels, owners, out.texture);
+                settle_tangent(source_, t, {}, texels, out_.texture.model);
+                copy(t, texels);
             }
             return num_uncovered;
         };
-        out.texture.num_uncovered = parallel_reduce(context_, mesh_.triangles.size(), kGrain,
-                                                    std::uint64_t{0}, paint_range, std::plus<>());
-        raw.summarise(out.texture);
-        out.report = report(outcomes);
-        for (const std::vector<Index>& page : owners.pages)
-            out.report.num_needed_texels += static_cast<std::uint64_t>(
-                page.size() - static_cast<std::size_t>(std::ranges::count(page, kInvalidIndex)));
+        out_.texture.num_uncovered = parallel_reduce(context_, mesh_.triangles.size(), kGrain,
+                                                     std::uint64_t{0}, paint_range, std::plus<>());
     }
 
-    Outcome judge(const TriangleGauge& gauge, const PatchTexels& texels) const {
+    void copy(Index t, const PatchTexels& texels) {
+        const Index page = layout_.triangle_pages[t];
+        const PageGrid page_grid = grid(page);
+        Image& image = out_.texture.model.images[page];
+        for_each_texel(texels.layout.corners, page_grid, [&](int x, int y) {
+            const std::size_t at = page_grid.index(x, y);
+            const TexelOwner& owner = owners_[page][at];
+            if (owner.triangle != t || owner.x != x || owner.y != y) return;
+            const Texel texel = texels.texel(x - texels.need.offset_x, y - texels.need.offset_y);
+            std::copy(texel.begin(), texel.end(),
+                      image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * at));
+            out_.texture.owned[page][at] = 1;
+        });
+    }
+
+    // What a triangle makes of the pages.
+    struct Outcome {
+        float error = 0.0F;
+        CapReason cap = CapReason::kNone;
+        bool by_layout = false;
+    };
+
+    void measure() {
+        RawErrors raw(source_);
+        std::vector<Outcome> outcomes(mesh_.triangles.size());
+        parallel_for(context_, outcomes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
+            for (std::size_t i = begin; i < end; ++i)
+                outcomes[i] = judge(static_cast<Index>(i), gauge, raw);
+        });
+        raw.summarise(out_.texture);
+        report(outcomes);
+    }
+
+    // Colours are read from the page. A normal map holds vectors in each triangle's own frame: its
+    // triangles are judged by what they painted.
+    Outcome judge(Index t, TriangleGauge& gauge, RawErrors& raw) const {
         Outcome out;
-        out.error = gauge.error(texels);
-        const std::array<Vec2d, 3>& c = texels.layout.corners;
-        out.texels = 0.5 * std::fabs(cross(c[1] - c[0], c[2] - c[0]));
+        const TriangleFrame& frame = source_.scene.shell.frame(t);
+        if (!has_area(frame.corners)) return out;
+        gauge.look_at(t);
+        gauge.place_probes();
+        const Corners c = corners(t, out_.pages);
+        const PatchLayout layout = patch_layout(frame, c);
+        const auto own_error = [&] { return gauge.error(gauge.texels(layout)); };
+        if (source_.map.kind == MapKind::kNormal) {
+            if (is_paintable_[t] == 0) return out;
+            const PatchTexels texels = gauge.texels(layout);
+            raw.measure(t, texels);
+            out.error = gauge.error(texels);
+        } else {
+            const Index page = layout_.triangle_pages[t];
+            const auto read = [&](Vec2f place) {
+                const std::array<double, 3> b = frame.barycentric(vec_cast<double>(place));
+                return read_page(out_.texture.model.images[page], grid(page),
+                                 c[0] * b[0] + c[1] * b[1] + c[2] * b[2]);
+            };
+            raw.measure(t, read);
+            out.error = gauge.error(read);
+        }
         if (static_cast<double>(out.error) <= limits_.bound) return out;
-        const bool is_fine = pitch(texels.layout) <= gauge.min_pitch();
-        out.cap = is_fine ? CapReason::kSpacing : CapReason::kSize;
+        if (is_paintable_[t] == 0 || static_cast<double>(own_error()) <= limits_.bound)
+            out.by_layout = true;
+        else
+            out.cap = pitch(layout) <= gauge.min_pitch() || size_ + 1 < limits_.sizes.size()
+                          ? CapReason::kSpacing
+                          : CapReason::kSize;
         return out;
     }
 
-    void copy(Index t, const PatchTexels& texels, const TexelOwners& owners,
-              BakedTexture& out) const {
-        const Index page = layout_.triangle_pages[t];
-        Image& image = out.model.images[page];
-        for_each_texel(texels.layout.corners, {image.width, image.height}, repeats_[page],
-                       [&](int x, int y, std::size_t at) {
-                           if (owners.pages[page][at] != t) return;
-                           const Texel texel =
-                               texels.texel(x - texels.need.offset_x, y - texels.need.offset_y);
-                           std::copy(texel.begin(), texel.end(),
-                                     image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * at));
-                           out.owned[page][at] = 1;
-                       });
-    }
-
-    TextureReport report(const std::vector<Outcome>& outcomes) const {
-        TextureReport out;
-        out.bound = limits_.bound;
-        out.num_patches = outcomes.size();
-        const bool is_cut =
-            num_texels(scaled_pages(layout_, limits_.page_size)) > limits_.max_texels;
+    void report(const std::vector<Outcome>& outcomes) {
+        TextureReport& report = out_.report;
+        report.bound = limits_.bound;
+        report.num_patches = outcomes.size();
+        for (const std::vector<TexelOwner>& page : owners_) {
+            for (const TexelOwner& owner : page) {
+                report.num_needed_texels += owner.triangle != kInvalidIndex ? 1 : 0;
+                report.payload_texels += owner.is_inside ? 1.0 : 0.0;
+                out_.num_shared_texels += owner.is_shared ? 1 : 0;
+            }
+        }
         std::vector<float> errors;
         std::vector<double> areas;
         for (Index t = 0; t < outcomes.size(); ++t) {
             const Outcome& o = outcomes[t];
             errors.push_back(o.error);
             areas.push_back(source_.scene.shell.frame(t).area());
-            out.payload_texels += o.texels;
-            if (o.cap == CapReason::kSpacing) ++out.capped.by_spacing;
-            if (o.cap == CapReason::kSize) ++(is_cut ? out.capped.by_budget : out.capped.by_size);
+            if (o.by_layout) ++report.capped.by_layout;
+            if (o.cap == CapReason::kSpacing) ++report.capped.by_spacing;
+            if (o.cap == CapReason::kSize)
+                ++(limits_.ends_with_budget ? report.capped.by_budget : report.capped.by_size);
         }
-        summarise_distribution(std::move(errors), areas, out);
-        return out;
+        summarise_distribution(std::move(errors), areas, report);
     }
 
     PaintSource source_;
     const Mesh& mesh_;
     const GivenLayout& layout_;
-    GivenLimits limits_;
+    const GivenLimits& limits_;
     const Context& context_;
-    std::vector<bool> repeats_;
-    std::vector<Pages> sizes_;
+    std::vector<std::uint8_t> repeats_;       // per page: do texture coordinates leave it?
+    std::vector<std::uint8_t> is_paintable_;  // per triangle
+    std::size_t num_sizes_ = 0, size_ = 0;    // those that can be painted; the one that is
+    std::vector<std::vector<TexelOwner>> owners_;
+    GivenBake out_;
 };
 
 }  // namespace
 
+void validate(const Mesh& mesh, const GivenLayout& layout) {
+    if (mesh.uvs.size() != mesh.triangles.size() || mesh.uvs.empty())
+        fail(ErrorCode::kInvalidInput,
+             "the mesh has no texture coordinates to bake into; without --keep-uvs it gets some");
+    if (layout.triangle_pages.size() != mesh.triangles.size())
+        fail(ErrorCode::kInvalidInput, "{} triangles, but pages for {} of them",
+             mesh.triangles.size(), layout.triangle_pages.size());
+    for (std::size_t t = 0; t < mesh.uvs.size(); ++t) {
+        if (layout.triangle_pages[t] >= layout.pages.size())
+            fail(ErrorCode::kInvalidInput, "triangle {} lies on page {}, but there are {} pages", t,
+                 layout.triangle_pages[t], layout.pages.size());
+        for (const Vec2f uv : mesh.uvs[t]) {
+            if (std::fabs(uv.x) <= kFarthest && std::fabs(uv.y) <= kFarthest) continue;
+            fail(ErrorCode::kInvalidInput,
+                 "triangle {} has the texture coordinates ({:.4g}, {:.4g}): up to {} is accepted; "
+                 "without --keep-uvs a new layout is made",
+                 t, uv.x, uv.y, kFarthest);
+        }
+    }
+}
+
 GivenBake paint_given(const PaintSource& source, const GivenLayout& layout,
                       const GivenLimits& limits, const Context& context) {
-    check(source.scene.mesh, layout);
+    validate(source.scene.mesh, layout);
     return Painter(source, layout, limits, context).run();
 }
 

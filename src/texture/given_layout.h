@@ -7,12 +7,6 @@
 
 namespace pointbake {
 
-struct GivenLimits {
-    double bound;  ///< RMS per triangle, 8-bit steps; infinite: as fine as the points allow
-    std::int64_t max_texels;
-    int page_size;
-};
-
 /// As TextureBaker::bake_given.
 GivenBake paint_given(const PaintSource& source, const GivenLayout& layout,
                       const GivenLimits& limits, const Context& context);

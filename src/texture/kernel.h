@@ -2,6 +2,8 @@
 // rim. By a polynomial: the same bits on every machine, and loops over it vectorise.
 #pragma once
 
+#include "core/splat.h"
+
 namespace pointbake {
 
 /// exp(-q / 2) = exp(-q / 16)^8 for q in [0, 9]: relative error below 4e-4.
@@ -16,8 +18,8 @@ constexpr float gaussian(float q) {
 
 /// How a surfel is drawn.
 struct Kernel {
-    float sigma = 0.6F;  ///< standard deviation over sqrt(area of the point)
-    float cut = 2.5F;    ///< in standard deviations
+    float sigma = kSplatSigma;  ///< standard deviation over sqrt(area of the point)
+    float cut = 2.5F;           ///< in standard deviations
     float cut2 = 6.25F;
     float rim = gaussian(6.25F);  ///< value that is taken off so that the kernel ends at 0
     float low_pass = 0.25F;  ///< variance of the screen filter where texels are coarse, texels^2

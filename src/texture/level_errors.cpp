@@ -13,7 +13,6 @@ constexpr std::size_t kGrain = 32;  // triangles per chunk
 constexpr int kMaxLevels = 40;
 constexpr double kFlat =
     1.0;  // one texel is for flat colour: on gradients the triangles would show
-constexpr float kNothingToGain = 0.35F;  // 8-bit rounding alone is 0.29
 constexpr double kTexelsPerPoint = 8.0;  // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
 
 // What forbids a level, if anything.
@@ -66,16 +65,15 @@ double LevelErrors::total_area() const {
     return sum;
 }
 
-LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, MapKind kind,
-                           std::span<const Vec3f> values, const TextureOptions& options,
-                           const Context& context) {
+LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, const MapValues& map,
+                           const TextureOptions& options, const Context& context) {
     const std::size_t num_triangles = scene.mesh.triangles.size();
     LevelErrors out;
     out.patches.resize(num_triangles);
     const std::size_t num_chunks = (num_triangles + kGrain - 1) / kGrain;
     std::vector<std::vector<LevelErrors::Level>> chunks(num_chunks);
     parallel_for(context, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
-        TriangleGauge gauge(scene, cloud, kind, values, options.paper);
+        TriangleGauge gauge(scene, cloud, map, options.paper);
         std::vector<LevelErrors::Level>& levels = chunks[begin / kGrain];
         for (std::size_t t = begin; t < end; ++t) {
             const auto triangle = static_cast<Index>(t);

@@ -45,9 +45,8 @@ class LevelErrors {
     double total_area() const;
 };
 
-LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, MapKind kind,
-                           std::span<const Vec3f> values, const TextureOptions& options,
-                           const Context& context);
+LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, const MapValues& map,
+                           const TextureOptions& options, const Context& context);
 
 /// Fills in the error figures and the capped counts.
 void summarise_errors(const LevelErrors& levels, std::span<const std::uint8_t> chosen, double bound,

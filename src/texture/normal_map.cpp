@@ -5,12 +5,13 @@
 namespace pointbake {
 TangentFrame tangent_frame(const TriangleFrame& frame, const PatchLayout& layout,
                            const Placement& placement) {
-    const Vec2f right = layout.place_of(layout.origin + Vec2f{1.0F, 0.0F});
-    const Vec3d t = normalized(frame.ex * static_cast<double>(right.x) +
-                               frame.ey * static_cast<double>(right.y));
     // Rows run downwards: a layout that does not mirror turns the plane's y around.
-    const bool is_mirrored = (cross(layout.column_x, layout.column_y) > 0.0F) !=
-                             (placement.mirror_x != placement.mirror_y);
+    const bool turns = cross(layout.column_x, layout.column_y) < 0.0F;
+    const Vec2d right =
+        Vec2d{static_cast<double>(layout.column_y.y), -static_cast<double>(layout.column_x.y)} *
+        (turns ? -1.0 : 1.0);
+    const Vec3d t = normalized(frame.ex * right.x + frame.ey * right.y);
+    const bool is_mirrored = turns == (placement.mirror_x != placement.mirror_y);
     return {vec_cast<float>(placement.mirror_x ? -t : t),
             static_cast<std::int8_t>(is_mirrored ? -1 : 1)};
 }

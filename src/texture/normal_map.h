@@ -11,7 +11,7 @@ struct TangentFrame {
     std::int8_t sign = 1;  ///< bitangent = sign * cross(normal, tangent) points to the image's top
 };
 
-/// Of a layout whose patch is mirrored as its placement says.
+/// Of a patch that is laid out so and placed so.
 TangentFrame tangent_frame(const TriangleFrame& frame, const PatchLayout& layout,
                            const Placement& placement);
 

@@ -20,43 +20,54 @@ BakedTexture empty_pages(const PaintSource& source, std::span<const PageSize> pa
         out.owned.emplace_back(image.num_texels(), std::uint8_t{0});
         Material material;
         material.name = fmt::format("page{}", i);
-        (source.kind == MapKind::kColor ? material.color_image : material.normal_image) =
+        (source.map.kind == MapKind::kColor ? material.color_image : material.normal_image) =
             static_cast<int>(i);
         out.model.images.push_back(std::move(image));
         out.model.materials.push_back(std::move(material));
     }
-    if (source.kind == MapKind::kNormal) {
+    if (source.map.kind == MapKind::kNormal) {
         out.model.corner_tangents.resize(mesh.triangles.size());
         out.model.tangent_signs.resize(mesh.triangles.size());
     }
     return out;
 }
 
-void RawErrors::measure(Index triangle, const PatchTexels& patch) {
+void RawErrors::measure(Index triangle, const std::function<Vec3f(Vec2f)>& read) {
     const Footprints& prints = source_.scene.prints;
+    const MapKind kind = source_.map.kind;
     const std::span<const Footprint> own = prints.of(triangle);
     for (std::size_t k = 0; k < own.size(); ++k) {
+        if (own[k].hidden) continue;
         const std::size_t item = prints.begin[triangle] + k;
-        const Vec3f read =
-            sample_bilinear(patch, source_.kind, patch.layout.texel_of(own[k].center));
-        const Vec3f d = to_steps(source_.kind, read) - to_steps(source_.kind, source_.raw[item]);
+        const Vec3f d = to_steps(kind, read(own[k].center)) - to_steps(kind, source_.raw[item]);
         errors_[item] = std::sqrt(squared_length(d) / 3.0F);
     }
 }
 
-void RawErrors::summarise(BakedTexture& out) {
-    if (errors_.empty()) return;
+void RawErrors::measure(Index triangle, const PatchTexels& patch) {
+    measure(triangle, [&](Vec2f place) {
+        return sample_bilinear(patch, source_.map.kind, patch.layout.texel_of(place));
+    });
+}
+
+void RawErrors::summarise(BakedTexture& out) const {
+    std::vector<float> seen;
     double sum = 0.0;
-    for (const float e : errors_) sum += static_cast<double>(e) * static_cast<double>(e);
-    out.raw_rms = std::sqrt(sum / static_cast<double>(errors_.size()));
-    const auto p99 = errors_.begin() + static_cast<std::ptrdiff_t>(errors_.size() * 99 / 100);
-    std::nth_element(errors_.begin(), p99, errors_.end());
+    for (std::size_t i = 0; i < errors_.size(); ++i) {
+        if (source_.scene.prints.items[i].hidden) continue;
+        seen.push_back(errors_[i]);
+        sum += static_cast<double>(errors_[i]) * static_cast<double>(errors_[i]);
+    }
+    if (seen.empty()) return;
+    out.raw_rms = std::sqrt(sum / static_cast<double>(seen.size()));
+    const auto p99 = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() * 99 / 100);
+    std::nth_element(seen.begin(), p99, seen.end());
     out.raw_p99 = static_cast<double>(*p99);
 }
 
 void settle_tangent(const PaintSource& source, Index triangle, const Placement& placement,
                     PatchTexels& patch, TexturedMesh& model) {
-    if (source.kind != MapKind::kNormal) return;
+    if (source.map.kind != MapKind::kNormal) return;
     const Shell& shell = source.scene.shell;
     const TangentFrame tangent = tangent_frame(shell.frame(triangle), patch.layout, placement);
     to_tangent_space(patch, shell, triangle, tangent);

@@ -1,6 +1,7 @@
 // What packed and given layouts share on the way from texels to pages.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -9,25 +10,26 @@
 
 namespace pointbake {
 
-/// What is painted: the splats with their own values and with those that sharpening made of them.
 struct PaintSource {
     const SplatScene& scene;
     const PointCloud& cloud;
-    MapKind kind;
-    std::span<const Vec3f> raw, sharpened;  ///< per item of the footprints
+    MapValues map;
+    std::span<const Vec3f> raw;  ///< the points' own values, per item of the footprints
 };
 
 /// Pages of zeros that no patch owns yet, with a material each.
 BakedTexture empty_pages(const PaintSource& source, std::span<const PageSize> pages);
 
-/// The written texture against the points' own colours.
+/// A texture against the colours of the points that are seen.
 class RawErrors {
  public:
     explicit RawErrors(const PaintSource& source)
         : source_(source), errors_(source.raw.size(), 0.0F) {}
-    /// At the points of one triangle; different triangles may be measured at once.
+    /// At the points of one triangle, of what `read` finds at places in its plane; different
+    /// triangles may be measured at once.
+    void measure(Index triangle, const std::function<Vec3f(Vec2f)>& read);
     void measure(Index triangle, const PatchTexels& patch);
-    void summarise(BakedTexture& out);
+    void summarise(BakedTexture& out) const;
 
  private:
     PaintSource source_;

@@ -135,22 +135,22 @@ PatchLayout patch_layout(const TriangleFrame& frame, const std::array<Vec2d, 3>&
     return out;
 }
 
-PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, MapKind kind,
-                        const PatchLayout& layout, TexelFilter filter) {
+PatchTexels splat_patch(const LocalField& field, const MapValues& map, const PatchLayout& layout,
+                        TexelFilter filter) {
     PatchTexels patch;
     patch.layout = layout;
     patch.need = need_set(layout.corners);
     const int width = patch.width(), height = patch.need.shape.height();
     const auto num_texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    const bool averages = kind == MapKind::kColor && filter.linear_share > 0.0F;
+    const bool averages = !map.linear.empty() && filter.linear_share > 0.0F;
     Sums sums(num_texels), linear(averages ? num_texels : 0);
     for (const LocalSplat& s : field.splats()) {
         ScreenSplat screen;
         if (!to_screen(s, layout, filter.variance, field.kernel().cut, screen)) continue;
-        screen.value = values[s.item];
+        screen.value = map.values[s.item];
         accumulate(screen, field.kernel(), patch.need, width, sums);
         if (!averages) continue;
-        screen.value = value_to_linear(screen.value);
+        screen.value = map.linear[s.item];
         accumulate(screen, field.kernel(), patch.need, width, linear);
     }
     patch.values.resize(num_texels);
@@ -168,12 +168,12 @@ PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, 
             }
             const Vec2f u{static_cast<float>(i + patch.need.offset_x),
                           static_cast<float>(row + patch.need.offset_y)};
-            const SplatSum wide = field.evaluate(layout.place_of(u), values);
+            const SplatSum wide = field.evaluate(layout.place_of(u), map.values);
             if (wide.weight > 0.0F) value = wide.sum / wide.weight;
             ++patch.num_uncovered;
         }
     }
-    encode_texels(patch, kind);
+    encode_texels(patch, map.kind);
     return patch;
 }
 

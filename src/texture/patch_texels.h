@@ -53,8 +53,8 @@ struct TexelFilter {
 
 /// Splats the gathered field into a patch of the given layout (EWA, [Zwicker01]). Texels that no
 /// splat reaches take the widened splats' value and are counted.
-PatchTexels splat_patch(const LocalField& field, std::span<const Vec3f> values, MapKind kind,
-                        const PatchLayout& layout, TexelFilter filter);
+PatchTexels splat_patch(const LocalField& field, const MapValues& map, const PatchLayout& layout,
+                        TexelFilter filter);
 
 /// What a renderer reads at texel coordinates u (integers are centres): bilinear over the decoded
 /// bytes, in linear light for colours. As a value.

@@ -11,7 +11,7 @@ namespace pointbake {
 namespace {
 
 constexpr std::size_t kGrain = 64;       // triangles per chunk
-constexpr int kMaxRounds = 6;            // further rounds gain nothing measurable
+constexpr int kMaxRounds = 6;            // more gain little at this kernel
 constexpr std::uint64_t kLeaveOut = 10;  // one point in this many is left out to choose the rounds
 constexpr float kMinGain =
     0.998F;  // an additional round must lower the prediction error to this share

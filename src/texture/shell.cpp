@@ -199,12 +199,9 @@ ShellPoint Shell::project(Index triangle, Vec3d p) const {
 }
 
 Vec3d Shell::normal_at(Index triangle, Vec2d x) const {
-    const std::array<Vec2d, 3>& c = frames_[triangle].corners;
-    const double area = cross(c[1] - c[0], c[2] - c[0]);
-    if (!(area > 0.0)) return frames_[triangle].ez;
-    std::array<double, 3> b = {cross(c[1] - x, c[2] - x) / area, cross(c[2] - x, c[0] - x) / area,
-                               0.0};
-    b[2] = 1.0 - b[0] - b[1];
+    const TriangleFrame& frame = frames_[triangle];
+    if (!(frame.area() > 0.0)) return frame.ez;
+    std::array<double, 3> b = frame.barycentric(x);
     double sum = 0.0;
     for (double& w : b) w = std::max(w, 0.0), sum += w;
     Vec3d n{};

@@ -25,6 +25,13 @@ struct TriangleFrame {
     double base() const { return corners[static_cast<std::size_t>((left + 1) % 3)].x; }
     double height() const { return corners[static_cast<std::size_t>((left + 2) % 3)].y; }
     double area() const { return 0.5 * base() * height(); }
+    /// Of a place in the plane; the triangle must have an area.
+    std::array<double, 3> barycentric(Vec2d x) const {
+        const double whole = cross(corners[1] - corners[0], corners[2] - corners[0]);
+        const double b0 = cross(corners[1] - x, corners[2] - x) / whole,
+                     b1 = cross(corners[2] - x, corners[0] - x) / whole;
+        return {b0, b1, 1.0 - b0 - b1};
+    }
 };
 TriangleFrame triangle_frame(const Mesh& mesh, Index triangle);
 

@@ -41,7 +41,7 @@ struct TextureBaker::Impl {
     Shell shell;
     Footprints prints;
     SplatScene scene;
-    std::vector<Vec3f> raw;
+    std::vector<Vec3f> raw, linear;
     Sharpened sharpened;
     LevelErrors levels;
 
@@ -59,6 +59,9 @@ struct TextureBaker::Impl {
         hide_covered_in_place(prints, cloud, shell, context);
         report_progress(context, "texture", 0.1);
         raw = map_values(cloud, kind, prints);
+        if (kind == MapKind::kColor)
+            for (const Footprint& f : prints.items)
+                linear.push_back(to_linear(cloud.colors[f.point]));
         std::vector<std::uint64_t> rows(raw.size());
         for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = cloud.rows[prints.items[i].point];
         if (options.paper) {
@@ -68,10 +71,15 @@ struct TextureBaker::Impl {
         }
         report_progress(context, "texture", 0.3);
         if (options.keep_uvs) return;
-        levels = measure_levels(scene, cloud, kind, sharpened.values, options, context);
+        levels = measure_levels(scene, cloud, source().map, options, context);
         report_progress(context, "texture", 0.7);
     }
-    PaintSource source() const { return {scene, cloud, kind, raw, sharpened.values}; }
+    /// What does not depend on sizes.
+    void describe(TextureReport& report) const {
+        report.sharpening_rounds = sharpened.rounds;
+        for (const Footprint& f : prints.items) report.num_hidden_points += f.hidden ? 1 : 0;
+    }
+    PaintSource source() const { return {scene, cloud, {kind, sharpened.values, linear}, raw}; }
 };
 
 TextureBaker::TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
@@ -89,6 +97,8 @@ TextureBaker::TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<
 TextureBaker::~TextureBaker() = default;
 
 TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed) const {
+    if (impl_->options.keep_uvs)
+        fail(ErrorCode::kInvalidOption, "keep-uvs: sizes of patches are not planned");
     const LevelErrors& levels = impl_->levels;
     const std::size_t num_triangles = impl_->mesh.triangles.size();
     // Where each patch stops if texels cost nothing.
@@ -167,7 +177,7 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, std::span<const PageSiz
     BakedTexture out = empty_pages(source, pages);
     RawErrors raw(source);
     const auto bake_range = [&](std::size_t begin, std::size_t end) {
-        TriangleGauge gauge(source.scene, source.cloud, source.kind, source.sharpened);
+        TriangleGauge gauge(source.scene, source.cloud, source.map);
         std::uint64_t num_uncovered = 0;
         for (std::size_t t = begin; t < end; ++t) {
             const auto triangle = static_cast<Index>(t);
@@ -197,10 +207,10 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, std::span<const PageSiz
     return out;
 }
 
-GivenBake TextureBaker::bake_given(const GivenLayout& layout, double bound, std::int64_t max_texels,
-                                   int page_size, const Context& context) const {
-    GivenBake out = paint_given(impl_->source(), layout, {bound, max_texels, page_size}, context);
-    out.report.sharpening_rounds = impl_->sharpened.rounds;
+GivenBake TextureBaker::bake_given(const GivenLayout& layout, const GivenLimits& limits,
+                                   const Context& context) const {
+    GivenBake out = paint_given(impl_->source(), layout, limits, context);
+    impl_->describe(out.report);
     return out;
 }
 
@@ -208,7 +218,7 @@ TextureReport TextureBaker::report(const TexturePlan& plan, double bound) const 
     const Impl& impl = *impl_;
     TextureReport out;
     out.bound = bound;
-    out.sharpening_rounds = impl.sharpened.rounds;
+    impl.describe(out);
     out.num_patches = plan.levels.size();
     out.num_needed_texels = static_cast<std::uint64_t>(plan.num_needed);
     summarise_errors(impl.levels, plan.levels, bound, out);

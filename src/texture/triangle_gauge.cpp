@@ -18,6 +18,8 @@ constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle
 void TriangleGauge::look_at(Index triangle) {
     triangle_ = triangle;
     spacing_ = mean_spacing();
+    min_pitch_ = find_min_pitch();
+    probes_.clear();
     field_.gather(triangle, kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle]));
 }
 
@@ -32,7 +34,7 @@ double TriangleGauge::mean_spacing() const {
 
 // [Wicke05] eq. (2) with the 5 % quantile of the spacings instead of their minimum: one close pair
 // decides nothing.
-double TriangleGauge::min_pitch() const {
+double TriangleGauge::find_min_pitch() const {
     std::vector<float> areas;
     for (const Footprint& f : scene_.prints.of(triangle_)) areas.push_back(cloud_.areas[f.point]);
     if (areas.empty()) return spacing_ / (2.0 * std::sqrt(2.0));
@@ -56,19 +58,19 @@ TexelFilter TriangleGauge::filter(double pitch) const {
 PatchTexels TriangleGauge::texels(const PatchLayout& layout) const {
     const double texels_per_area =
         std::fabs(static_cast<double>(cross(layout.column_x, layout.column_y)));
-    return splat_patch(field_, values_, kind_, layout, filter(1.0 / std::sqrt(texels_per_area)));
+    return splat_patch(field_, map_, layout, filter(1.0 / std::sqrt(texels_per_area)));
 }
 
 void TriangleGauge::place_probes() {
-    probes_.clear();
     const std::span<const Footprint> own = scene_.prints.of(triangle_);
     for (std::size_t k = 0; k < own.size(); ++k) {
         const Footprint& f = own[k];
         if (f.hidden) continue;
         const float area = cloud_.areas[f.point];
         if (is_paper_)
-            probes_.push_back(
-                {f.center, to_steps(kind_, values_[scene_.prints.begin[triangle_] + k]), area});
+            probes_.push_back({f.center,
+                               to_steps(map_.kind, map_.values[scene_.prints.begin[triangle_] + k]),
+                               area});
         else
             add_probe(f.center, area);
     }
@@ -76,8 +78,8 @@ void TriangleGauge::place_probes() {
 }
 
 void TriangleGauge::add_probe(Vec2f place, float weight) {
-    const SplatSum s = field_.evaluate(place, values_);
-    if (s.weight > 0.0F) probes_.push_back({place, to_steps(kind_, s.sum / s.weight), weight});
+    const SplatSum s = field_.evaluate(place, map_.values);
+    if (s.weight > 0.0F) probes_.push_back({place, to_steps(map_.kind, s.sum / s.weight), weight});
 }
 
 // The points say nothing of the border, where the neighbour's patch takes over: look there, too.
@@ -86,36 +88,33 @@ void TriangleGauge::add_border_probes() {
     const auto weight = static_cast<float>(std::min(0.5 * spacing_ * spacing_, frame.area() / 4.0));
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec2d from = frame.corners[k], along = frame.corners[(k + 1) % 3] - from;
-        const int count = std::clamp(static_cast<int>(length(along) / spacing_), 1, kMaxEdgeProbes);
+        const double wanted = spacing_ > 0.0 ? length(along) / spacing_ : 1.0;
+        const int count = static_cast<int>(std::clamp(wanted, 1.0, double{kMaxEdgeProbes}));
         for (int i = 0; i < count; ++i)
             add_probe(vec_cast<float>(from + along * (static_cast<double>(i) / count)), weight);
     }
 }
 
 float TriangleGauge::error(const PatchTexels& texels) const {
-    return is_paper_ ? paper_error(texels) : rms_error(texels);
+    return error([&](Vec2f place) {
+        return sample_bilinear(texels, map_.kind, texels.layout.texel_of(place));
+    });
 }
 
-float TriangleGauge::rms_error(const PatchTexels& texels) const {
-    double sum = 0.0, weight = 0.0;
+// --paper: [Wicke05] eq. (1) to the letter, as far as it can be: sum A_s |c_s - t(p_s)|, per area
+// of the triangle.
+float TriangleGauge::error(const std::function<Vec3f(Vec2f)>& read) const {
+    double sum = 0.0, squares = 0.0, weight = 0.0;
     for (const Probe& p : probes_) {
-        const Vec3f read = sample_bilinear(texels, kind_, texels.layout.texel_of(p.place));
-        const Vec3f d = to_steps(kind_, read) - p.wanted;
-        sum += static_cast<double>(p.weight) * static_cast<double>(squared_length(d));
-        weight += static_cast<double>(p.weight);
+        const auto w = static_cast<double>(p.weight);
+        const auto d2 =
+            static_cast<double>(squared_length(to_steps(map_.kind, read(p.place)) - p.wanted));
+        sum += w * std::sqrt(d2);
+        squares += w * d2;
+        weight += w;
     }
-    return weight > 0.0 ? static_cast<float>(std::sqrt(sum / (3.0 * weight))) : 0.0F;
-}
-
-// [Wicke05] eq. (1) to the letter, as far as it can be: sum A_s |c_s - t(p_s)|, per area of the
-// triangle.
-float TriangleGauge::paper_error(const PatchTexels& texels) const {
-    double sum = 0.0;
-    for (const Probe& p : probes_) {
-        const Vec3f read = sample_bilinear(texels, kind_, texels.layout.texel_of(p.place));
-        sum += static_cast<double>(p.weight) *
-               static_cast<double>(length(to_steps(kind_, read) - p.wanted));
-    }
+    if (!is_paper_)
+        return weight > 0.0 ? static_cast<float>(std::sqrt(squares / (3.0 * weight))) : 0.0F;
     const double area = scene_.shell.frame(triangle_).area();
     return area > 0.0 ? static_cast<float>(sum / area) : 0.0F;
 }

@@ -1,35 +1,36 @@
 // One triangle's texels at any layout, and how far they are from the splatted function.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "texture/patch_texels.h"
 
 namespace pointbake {
 
-/// Looks at one triangle after the other; one per thread. What a gauge makes is what is measured
-/// and what is written.
+/// RMS error at which 8-bit rounding is nearly all that is left: rounding alone is 0.29.
+inline constexpr float kNothingToGain = 0.35F;
+
+/// Looks at one triangle after the other; one per thread.
 class TriangleGauge {
  public:
-    TriangleGauge(const SplatScene& scene, const PointCloud& cloud, MapKind kind,
-                  std::span<const Vec3f> values, bool paper = false)
-        : scene_(scene),
-          cloud_(cloud),
-          kind_(kind),
-          values_(values),
-          is_paper_(paper),
-          field_(scene) {}
+    TriangleGauge(const SplatScene& scene, const PointCloud& cloud, const MapValues& map,
+                  bool is_paper = false)
+        : scene_(scene), cloud_(cloud), map_(map), is_paper_(is_paper), field_(scene) {}
 
     /// Gathers the triangle's splats.
     void look_at(Index triangle);
-    /// Chooses the places where errors are measured: the triangle's points and its border.
+    /// Chooses the places where errors are measured: the triangle's points and its border. Without,
+    /// no error is known.
     void place_probes();
 
     PatchTexels texels(const PatchLayout& layout) const;
-    /// RMS over the probes against the splatted function, in 8-bit steps (--paper: eq. (1)).
+    /// RMS over the probes against the splatted function, in 8-bit steps (--paper: eq. (1)), of
+    /// what `read` finds at places in the triangle's plane.
+    float error(const std::function<Vec3f(Vec2f)>& read) const;
     float error(const PatchTexels& texels) const;
     /// Finest pitch that the triangle's points support, cloud units: [Wicke05] eq. (2).
-    double min_pitch() const;
+    double min_pitch() const { return min_pitch_; }
 
  private:
     struct Probe {
@@ -41,17 +42,15 @@ class TriangleGauge {
     TexelFilter filter(double pitch) const;
     void add_probe(Vec2f place, float weight);
     void add_border_probes();
-    float rms_error(const PatchTexels& texels) const;
-    float paper_error(const PatchTexels& texels) const;
+    double find_min_pitch() const;
 
     SplatScene scene_;
     const PointCloud& cloud_;
-    MapKind kind_;
-    std::span<const Vec3f> values_;
+    MapValues map_;
     bool is_paper_;
     LocalField field_;
     Index triangle_ = kInvalidIndex;
-    double spacing_ = 0.0;
+    double spacing_ = 0.0, min_pitch_ = 0.0;
     std::vector<Probe> probes_;
 };
 

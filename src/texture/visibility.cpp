@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <numeric>
+#include <span>
 
 #include "core/parallel.h"
 
@@ -18,7 +20,8 @@ constexpr double kDisc = 1.2, kGap = 2.5;
 constexpr double kAlike = 0.5;
 constexpr double kMinFacing = 0.25;
 constexpr std::size_t kFewest = 2;  // discs over a point; one alone is an outlier
-constexpr int kMaxCells = 128;      // per axis
+constexpr double kLargest = 4.0;    // spacing of a point over the mean in its triangle
+constexpr float kCellsPerPoint = 4.0F;
 
 class TriangleLayers {
  public:
@@ -36,20 +39,24 @@ class TriangleLayers {
     }
 
  private:
+    // Of an outlier no more than kLargest times what is usual in the triangle.
     double spacing(const Footprint& f) const {
-        return std::sqrt(static_cast<double>(cloud_.areas[f.point]));
+        return std::min(std::sqrt(static_cast<double>(cloud_.areas[f.point])), largest_);
     }
-    // Depths are along the interpolated normal, which is not longer than 1.
+    // Depths are along the interpolated normal, which is not longer than 1: no smaller than
+    // heights.
     bool may_have_layers() {
         float low = HUGE_VALF, high = -HUGE_VALF;
-        double least = HUGE_VAL;
-        largest_ = 0.0;
+        double least = HUGE_VAL, most = 0.0, sum = 0.0;
         for (const Footprint& f : prints_) {
             low = std::min(low, f.depth);
             high = std::max(high, f.depth);
-            least = std::min(least, spacing(f));
-            largest_ = std::max(largest_, spacing(f));
+            const double s = std::sqrt(static_cast<double>(cloud_.areas[f.point]));
+            least = std::min(least, s);
+            most = std::max(most, s);
+            sum += s;
         }
+        largest_ = std::min(most, kLargest * sum / static_cast<double>(prints_.size()));
         return static_cast<double>(high) - static_cast<double>(low) > kGap * least;
     }
 
@@ -60,19 +67,21 @@ class TriangleLayers {
             high = {std::max(high.x, f.center.x), std::max(high.y, f.center.y)};
         }
         origin_ = low;
+        const Vec2f size = high - low;
         const auto cell = static_cast<float>(kDisc * largest_);
+        const float num_cells = kCellsPerPoint * static_cast<float>(prints_.size());
         const float least =
-            std::max(high.x - low.x, high.y - low.y) / static_cast<float>(kMaxCells - 1);
+            std::max(std::sqrt(size.x * size.y / num_cells), std::max(size.x, size.y) / num_cells);
         per_unit_ = 1.0F / std::max({cell, least, 1e-30F});
-        width_ = static_cast<int>((high.x - low.x) * per_unit_) + 1;
-        height_ = static_cast<int>((high.y - low.y) * per_unit_) + 1;
+        width_ = static_cast<int>(size.x * per_unit_) + 1;
+        height_ = static_cast<int>(size.y * per_unit_) + 1;
         begin_.assign(static_cast<std::size_t>(width_ * height_) + 1, 0);
         for (const Footprint& f : prints_) ++begin_[cell_of(column(f), row(f)) + 1];
         std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
         items_.resize(prints_.size());
-        std::vector<Index> next(begin_.begin(), begin_.end() - 1);
+        next_.assign(begin_.begin(), begin_.end() - 1);
         for (std::size_t i = 0; i < prints_.size(); ++i)
-            items_[next[cell_of(column(prints_[i]), row(prints_[i]))]++] = static_cast<Index>(i);
+            items_[next_[cell_of(column(prints_[i]), row(prints_[i]))]++] = static_cast<Index>(i);
     }
     int column(const Footprint& f) const {
         return static_cast<int>((f.center.x - origin_.x) * per_unit_);
@@ -87,7 +96,7 @@ class TriangleLayers {
         const Footprint& f = prints_[i];
         if (f.hidden) return false;
         const Vec3d p = cloud_.positions[f.point], n = vec_cast<double>(cloud_.normals[f.point]);
-        const Vec3d up = shell_.normal_at(triangle_, vec_cast<double>(f.center));
+        const Vec3d up = normalized(shell_.normal_at(triangle_, vec_cast<double>(f.center)));
         heights_.clear();
         const int x0 = column(f), y0 = row(f);
         for (int y = std::max(0, y0 - 1); y <= std::min(height_ - 1, y0 + 1); ++y) {
@@ -119,7 +128,7 @@ class TriangleLayers {
 
     struct Height {
         double value, spacing;
-        bool operator<(const Height& o) const { return value < o.value; }
+        auto operator<=>(const Height&) const = default;
     };
 
     const PointCloud& cloud_;
@@ -130,7 +139,7 @@ class TriangleLayers {
     Vec2f origin_;
     float per_unit_ = 0.0F;
     int width_ = 0, height_ = 0;
-    std::vector<Index> begin_, items_;
+    std::vector<Index> begin_, items_, next_;
     std::vector<Height> heights_;
     std::vector<std::uint8_t> covered_;
 };

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "pointbake/atlas.h"
 #include "pointbake/error.h"
 
@@ -78,6 +80,28 @@ TEST(BudgetPagesOf, TooLittleAreRefused) {
         }
     }
     EXPECT_EQ(sum(budget_pages(4096, {})), 4096);
+}
+
+TEST(ScaledPages, KeepProportionsAndUseTheBudget) {
+    const std::vector<PageSize> proportions{{200, 100}, {100, 100}};
+    for (const std::int64_t budget : {50'000, 100'000, 250'000, 1'000'000, 5'000'000}) {
+        const auto sizes = scaled_pages(proportions, budget, {});
+        for (std::size_t i = 0; i + 1 < sizes.size(); ++i)
+            EXPECT_LT(num_texels(sizes[i]), num_texels(sizes[i + 1]));
+        const std::vector<PageSize>& last = sizes.back();
+        ASSERT_EQ(last.size(), 2U);
+        EXPECT_LE(num_texels(last), budget);
+        EXPECT_GE(static_cast<double>(num_texels(last)), 0.8 * static_cast<double>(budget));
+        EXPECT_NEAR(static_cast<double>(last[0].width) / last[0].height, 2.0, 0.5);
+    }
+    const auto powers = scaled_pages(proportions, 1'000'000, {.power_of_two = true});
+    for (const PageSize page : powers.back()) {
+        EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(page.width)));
+        EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(page.height)));
+    }
+    EXPECT_EQ(scaled_pages(proportions, 1LL << 40, {.page_size = 1000}).back()[0].width, 960);
+    EXPECT_THROW(scaled_pages(proportions, 8191, {}), Error);
+    EXPECT_THROW(scaled_pages(proportions, 1 << 20, {.page_size = 20}), Error);
 }
 
 }  // namespace

@@ -451,8 +451,10 @@ void GlbChecker::check_attributes(const Json& primitive, const GlbPrimitive& p) 
 // Pages repeat only where texture coordinates leave them.
 void GlbChecker::check_wrap(const Json& material, const GlbPrimitive& p) {
     const Json& pbr = material.at("pbrMetallicRoughness");
-    if (!pbr.contains("baseColorTexture")) return;
-    const auto texture = pbr.at("baseColorTexture").at("index").get<std::size_t>();
+    const bool has_map = material.contains("normalTexture");
+    if (!has_map && !pbr.contains("baseColorTexture")) return;
+    const Json& info = has_map ? material.at("normalTexture") : pbr.at("baseColorTexture");
+    const auto texture = info.at("index").get<std::size_t>();
     const auto sampler = array("textures").at(texture).at("sampler").get<std::size_t>();
     const bool repeats = array("samplers").at(sampler).at("wrapS") == kRepeat;
     const bool leaves = std::any_of(p.uvs.begin(), p.uvs.end(), [](Vec2f uv) {

@@ -39,6 +39,11 @@ inline Painted painted_square(int n, const std::function<Vec3d(double, double)>&
     return out;
 }
 
+inline Vec3d wave(double x, double y) {
+    return {0.5 + 0.3 * std::sin(12.0 * x), 0.5 + 0.3 * std::cos(9.0 * y),
+            0.5 + 0.2 * std::sin(8.0 * (x + y))};
+}
+
 /// Bakes a plan into one page per triangle, without packing.
 inline BakedTexture bake_apart(const TextureBaker& baker, const TexturePlan& plan,
                                const Context& context = {}) {

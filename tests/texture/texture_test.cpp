@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pointbake/error.h"
+#include "texture/coding.h"
 #include "texture/planes.h"
 #include "texture/shell.h"
 
@@ -13,11 +14,6 @@ namespace pointbake {
 namespace {
 
 constexpr std::int64_t kNoBudget = std::numeric_limits<std::int64_t>::max();
-
-Vec3d wave(double x, double y) {
-    return {0.5 + 0.3 * std::sin(12.0 * x), 0.5 + 0.3 * std::cos(9.0 * y),
-            0.5 + 0.2 * std::sin(8.0 * (x + y))};
-}
 
 double rms_against(const TexturedMesh& model, const std::function<Vec3d(double, double)>& truth) {
     double sum = 0.0;
@@ -88,6 +84,11 @@ TEST(Texture, CoarseTexelsAverageLinearLight) {
     ASSERT_EQ(plan.num_needed, 2);
     // Half the light; half the code would be 128.
     EXPECT_NEAR(color_at(bake_apart(baker, plan).model, 0, {0.3, 0.3, 0.4}).x, 187.5, 3.0);
+}
+
+TEST(Texture, WhatIsWhiterThanWhiteCountsAsWhite) {
+    // Sharpening overshoots beside edges; no texel can show it.
+    EXPECT_EQ(to_steps(MapKind::kColor, {1.2F, -0.1F, 0.5F}), (Vec3f{255.0F, 0.0F, 127.5F}));
 }
 
 TEST(Texture, FineTexelsInterpolateCodes) {

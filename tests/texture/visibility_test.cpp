@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "texture/planes.h"
 
@@ -61,6 +62,23 @@ TEST(Visibility, LayerBelowIsNotSeen) {
 TEST(Visibility, OneSheetHidesNothingOfItself) {
     EXPECT_EQ(num_hidden(red_square()), 0U);
     EXPECT_EQ(num_hidden(with_layer_below(1.0)), 0U) << "nearer than the gap: noise, not a layer";
+}
+
+TEST(Visibility, GapsAreMeasuredInSpaceWhereNormalsLean) {
+    // A pyramid hangs below the square: its vertex normals lean outwards, and what they
+    // interpolate to in the middle is short. There lies the layer.
+    for (const double depth : {2.0, 3.5}) {
+        Painted p = red_square();
+        p.mesh.positions.push_back({0.5, 0.5, -2.0});
+        p.mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 0, 4}, {2, 1, 4}, {3, 2, 4}, {0, 3, 4}};
+        const std::size_t n = p.cloud.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            const Vec3d x = p.cloud.positions[i];
+            if (std::fabs(x.x - 0.5) < 0.15 && std::fabs(x.y - 0.5) < 0.15)
+                add_point(p, x - Vec3d{0.0, 0.0, depth * kSpacing}, {0, 0, 1}, p.owners[i]);
+        }
+        EXPECT_EQ(num_hidden(p) > 0, depth > 2.5) << depth;
+    }
 }
 
 TEST(Visibility, OneOutlierHidesNothing) {
