@@ -107,6 +107,10 @@ ParsedLine parse_line(std::span<const std::string> words, OptionTable& table) {
 
     try {
         app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    } catch (const CLI::ArgumentMismatch& error) {
+        const std::string text = error.what();
+        fail(ErrorCode::kInvalidOption, "{} needs a value; see --help",
+             text.substr(0, text.find(':')));
     } catch (const CLI::ParseError& error) {
         fail(ErrorCode::kInvalidOption, "{}", error.what());
     }

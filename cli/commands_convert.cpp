@@ -44,9 +44,10 @@ void check_not_points(const Job& job, bool is_named) {
     const bool is_input = std::ranges::any_of(job.inputs, [&](const auto& input) {
         return std::filesystem::equivalent(input, job.output, error);
     });
-    if (is_point_ply(job.output) && !is_input)
+    if (is_likely_input(job.output) && !is_input)
         fail(ErrorCode::kInvalidOption,
-             "{} exists and holds points: to overwrite it, name it with -o", job.output.string());
+             "{} exists and looks like another input: to overwrite it, name it with -o",
+             job.output.string());
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ constexpr CommandText kSampleText = {
     "MESH-points.ply beside it."};
 constexpr CommandText kDemoText = {
     "pointbake demo [OUT.glb] [options]",
-    "Makes a painted model, writes its points as PLY, converts that file as anybody would, and\n"
-    "draws a picture of points, mesh, wires and texture. All beside OUT.glb (demo.glb)."};
+    "Makes a painted model, writes its points as OUT-points.ply, converts that file as anybody\n"
+    "would, and draws points, mesh, wires and texture: OUT-picture.png. OUT.glb is demo.glb."};
 
 Image demo_picture(const ConvertResult& result, const Context& context) {
     const View view;
@@ -72,9 +72,9 @@ void run_demo(Words words, const std::stop_token& stop) {
     if (!read_line(words, kDemoText, table, line)) return;
     settle_files(line, 0, "nothing");
     job.output = line.output.empty() ? "demo.glb" : line.output;
-    const fs::path points = fs::path(job.output).replace_extension(".ply");
+    const fs::path points = beside(job.output, "-points.ply");
     job.inputs = {points};
-    const fs::path picture = fs::path(job.output).replace_extension(".png");
+    const fs::path picture = beside(job.output, "-picture.png");
     finish_job(job, table);
     make_folder_of(job.output);
     check_writable(points, std::span(&job.output, 1));

@@ -2,6 +2,7 @@
 // later or ends earlier.
 #include "command_setup.h"
 #include "commands.h"
+#include "files.h"
 
 namespace pointbake::cli {
 namespace {
@@ -17,10 +18,6 @@ constexpr CommandText kTextureText = {
     "pointbake texture MESH CLOUD [OUT.glb] [options]",
     "Textures a mesh (PLY, OBJ, GLB) as it is from the points of a cloud; without OUT.glb:\n"
     "MESH-textured.glb beside it."};
-
-std::filesystem::path beside(const std::filesystem::path& file, std::string_view ending) {
-    return file.parent_path() / fmt::format("{}{}", file.stem().string(), ending);
-}
 
 void run_stage(Job& job, OptionTable& table, const ParsedLine& line, std::string_view ending,
                const std::stop_token& stop) {

@@ -67,6 +67,7 @@ std::string grouped(std::uint64_t value) {
 }
 
 std::string bytes_text(std::uint64_t bytes) {
+    if (bytes < 1000) return fmt::format("{} bytes", bytes);
     static constexpr std::array<std::string_view, 4> units = {"kB", "MB", "GB", "TB"};
     double value = static_cast<double>(bytes) / 1000.0;
     std::size_t unit = 0;

@@ -37,6 +37,7 @@ std::vector<std::string> names(const std::vector<fs::path>& paths) {
 void check_options(const Job& job) {
     if (!(job.write.scale > 0.0))
         fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", job.write.scale);
+    validate(job.convert);
     if (job.convert.texture.keep_uvs && job.mesh.mesh.empty())
         fail(ErrorCode::kInvalidOption, "--keep-uvs needs a mesh to keep them of: --mesh FILE");
     if (job.output.empty() && job.files.work_dir.empty())
@@ -56,6 +57,7 @@ void check_outputs(const Job& job) {
         if (std::ranges::find(taken.begin() + num_inputs, taken.end(), path) != taken.end())
             fail(ErrorCode::kInvalidOption, "{} is named twice", path.string());
         check_writable(path, taken);
+        check_companions(path, taken);
         taken.push_back(path);
     };
     static constexpr std::array<std::string_view, 1> json = {".json"};

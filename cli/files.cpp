@@ -70,6 +70,28 @@ void check_extension(const fs::path& output, std::span<const std::string_view> e
          fmt::join(extensions, ", "));
 }
 
+void check_companions(const fs::path& output, std::span<const fs::path> inputs) {
+    const auto has_companions = [](const fs::path& path) {
+        const std::string extension = lower_extension(path);
+        return extension == ".obj" || extension == ".gltf";
+    };
+    if (!has_companions(output)) return;
+    const auto folder = [](const fs::path& path) {
+        return fs::absolute(path).lexically_normal().parent_path();
+    };
+    for (const fs::path& input : inputs)
+        if (has_companions(input) && input.stem() == output.stem() &&
+            folder(input) == folder(output))
+            fail(ErrorCode::kInvalidOption,
+                 "{} would share its textures and other files with the input {}; choose another "
+                 "name",
+                 output.string(), input.string());
+}
+
+fs::path beside(const fs::path& file, std::string_view ending) {
+    return file.parent_path() / fmt::format("{}{}", file.stem().string(), ending);
+}
+
 void write_text(const fs::path& path, std::string_view text) {
     AtomicFile file(path);
     file.write(text);
@@ -84,10 +106,12 @@ std::optional<std::uint64_t> promised_points(const fs::path& path) {
     return std::min(*count, size / kLeastBytesPerPoint);
 }
 
-bool is_point_ply(const fs::path& path) {
+bool is_likely_input(const fs::path& path) {
     const std::string header = ply_header(path);
-    return !header.empty() && element_count(header, "face").value_or(0) == 0 &&
-           element_count(header, "tristrips").value_or(0) == 0;
+    if (header.empty()) return false;
+    const bool has_faces = element_count(header, "face").value_or(0) > 0 ||
+                           element_count(header, "tristrips").value_or(0) > 0;
+    return !has_faces || header.find("comment pointbake ") == std::string::npos;
 }
 
 }  // namespace pointbake::cli

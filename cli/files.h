@@ -18,6 +18,14 @@ void check_writable(const std::filesystem::path& output,
 void check_extension(const std::filesystem::path& output,
                      std::span<const std::string_view> extensions);
 
+/// Throws Error{kInvalidOption} if a model of several files would overwrite what an input of the
+/// same name consists of: x.obj beside x.gltf, both with their x.png.
+void check_companions(const std::filesystem::path& output,
+                      std::span<const std::filesystem::path> inputs);
+
+/// "dir/name.ext" and an ending make "dir/name<ending>".
+std::filesystem::path beside(const std::filesystem::path& file, std::string_view ending);
+
 /// Writes a text whole or not at all.
 void write_text(const std::filesystem::path& path, std::string_view text);
 
@@ -25,8 +33,8 @@ void write_text(const std::filesystem::path& path, std::string_view text);
 /// Only a forecast: the reader says what is wrong with a file.
 std::optional<std::uint64_t> promised_points(const std::filesystem::path& path);
 
-/// Whether an existing file is a PLY of points alone. Overwriting one is likelier a slip than a
-/// wish.
-bool is_point_ply(const std::filesystem::path& path);
+/// Whether an existing file is a PLY of points alone, or one that pointbake did not write.
+/// Overwriting such a one is likelier a slip than a wish.
+bool is_likely_input(const std::filesystem::path& path);
 
 }  // namespace pointbake::cli

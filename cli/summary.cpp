@@ -15,10 +15,14 @@ std::string bound_text(double bound) {
 
 std::string geometry_line(const RunReport& r) {
     const SimplifyReport& simplify = r.convert.simplify;
-    return fmt::format(
+    std::string line = fmt::format(
         "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}", counted(r.load.num_kept, "point"),
         counted(simplify.num_triangles, "triangle"), to_word(r.convert.reconstruct.surface),
         simplify.points_to_mesh.max, simplify.points_to_mesh.mean, bound_text(simplify.bound));
+    if (simplify.num_off_surface > 0)
+        line += fmt::format("; {} off the surface left out",
+                            counted(simplify.num_off_surface, "point"));
+    return line;
 }
 
 std::string cap_reasons(const CappedCounts& capped) {
@@ -27,10 +31,10 @@ std::string cap_reasons(const CappedCounts& capped) {
         if (count > 0)
             text += fmt::format("{}{} {}", text.empty() ? "" : ", ", grouped(count), reason);
     };
-    append(capped.by_spacing, "with texels finer than the points");
-    append(capped.by_count, "with 8 texels per point");
-    append(capped.by_size, "as large as a patch may be");
-    append(capped.by_budget, "for want of texels");
+    append(capped.by_spacing, "whose points are too far apart for finer texels");
+    append(capped.by_count, "that have 8 texels per point already");
+    append(capped.by_size, "as large as --max-patch or --page-size allow");
+    append(capped.by_budget, "for want of --texels");
     append(capped.by_layout, "by the given layout");
     return text;
 }
@@ -43,13 +47,11 @@ std::string pages_text(const std::vector<PageSize>& pages) {
 std::string texture_line(const RunReport& r) {
     const TextureReport& texture = r.convert.texture;
     const AtlasReport& atlas = r.convert.atlas;
-    std::string line = fmt::format("{} on {}, {:.1f} % filled; texture error {:.3g} RMS, {}",
-                                   counted(static_cast<std::uint64_t>(atlas.num_texels), "texel"),
-                                   pages_text(atlas.pages), 100.0 * atlas.fill, texture.error_rms,
-                                   bound_text(texture.bound));
-    if (const Index capped = texture.capped.total(); capped > 0)
-        line += fmt::format(", {} capped", counted(capped, "triangle"));
-    return line;
+    return fmt::format(
+        "{} on {}, {:.1f} % filled; texture error {:.3g} RMS to the splats, {:.3g} to the points, "
+        "{}",
+        counted(static_cast<std::uint64_t>(atlas.num_texels), "texel"), pages_text(atlas.pages),
+        100.0 * atlas.fill, texture.error_rms, texture.raw_rms, bound_text(texture.bound));
 }
 
 std::string file_line(const RunReport& r) {
@@ -91,7 +93,7 @@ std::string surface_plan(const Job& job, const ConvertInput& input) {
     std::string text =
         fmt::format("{}, method {}", to_word(options.surface), to_word(options.method));
     if (input.file_mesh)
-        text += fmt::format("; the file has {}, used with --surface given",
+        text += fmt::format("; the file has {}, which only --surface given would use",
                             counted(input.file_mesh->triangles.size(), "face"));
     return text;
 }
@@ -129,8 +131,9 @@ std::vector<std::string> missed_bounds(const RunReport& r) {
             "the geometry bound of {:.4g} is not met: the farthest point is {:.4g} away",
             simplify.bound, simplify.points_to_mesh.max));
     if (r.last_stage >= Stage::kTexture && !texture.bound_met)
-        lines.push_back(fmt::format("the texture bound of {:.4g} is not met on {}: {}",
-                                    texture.bound, counted(texture.capped.total(), "triangle"),
+        lines.push_back(fmt::format("the texture bound of {:.4g} is missed on {} of {}: {}",
+                                    texture.bound, grouped(texture.capped.total()),
+                                    counted(simplify.num_triangles, "triangle"),
                                     cap_reasons(texture.capped)));
     return lines;
 }

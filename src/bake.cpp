@@ -159,7 +159,9 @@ BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
 
 }  // namespace
 
-GivenLayout given_layout(const TexturedMesh& given) {
+GivenLayout given_layout(const std::optional<TexturedMesh>& mesh) {
+    if (!mesh) fail(ErrorCode::kInvalidOption, "keep-uvs needs a mesh to keep them of");
+    const TexturedMesh& given = *mesh;
     GivenLayout out;
     out.triangle_pages = given.triangle_materials;
     if (out.triangle_pages.empty()) out.triangle_pages.resize(given.mesh.triangles.size(), 0);

@@ -19,8 +19,9 @@ struct BakeResult {
 };
 
 /// The layout of a mesh with a page for each material in use, shaped like its image. Throws
-/// Error{kInvalidInput} for a mesh without texture coordinates or whose parts do not fit together.
-GivenLayout given_layout(const TexturedMesh& mesh);
+/// Error{kInvalidOption} if there is none, Error{kInvalidInput} for a mesh without texture
+/// coordinates or whose parts do not fit together.
+GivenLayout given_layout(const std::optional<TexturedMesh>& mesh);
 
 /// `owners`: per point the triangle it belongs to; `layout`: with --keep-uvs. Never over the
 /// budget; the pages are at least 0.9 of it unless every patch is at its cap.

@@ -101,20 +101,33 @@ void tell_paper_readings(const Context& context) {
         "kept open");
 }
 
+// Points that the surface leaves out are told of when they are many; when they are all, nothing is
+// left to make.
+void check_off_surface(ConvertResult& result, bool is_given, const Context& context) {
+    constexpr double kMany = 0.02, kFar = 0.02;
+    const SimplifyReport& report = result.light.report;
+    const auto n = static_cast<double>(result.cloud.size());
+    const auto share = static_cast<double>(report.num_off_surface) / n;
+    constexpr std::string_view kHint = "; are mesh and points in the same place and unit?";
+    if (is_given && report.num_off_surface == result.cloud.size())
+        fail(ErrorCode::kEmpty, "no point lies near the mesh{}", kHint);
+    if (share > kMany)
+        warn(result, context,
+             fmt::format("{} of {} points ({:.1f} %) lie farther from the surface than the bound "
+                         "and are left out{}",
+                         report.num_off_surface, result.cloud.size(), 100.0 * share,
+                         is_given ? kHint : ""));
+    Box box;
+    for (const Vec3d& p : result.light.mesh.positions) box.extend(p);
+    if (is_given && report.points_to_mesh.mean > kFar * box.diagonal())
+        warn(result, context,
+             fmt::format("the points lie {:.3g} from the mesh in the mean{}",
+                         report.points_to_mesh.mean, kHint));
+}
+
 // A surface with a border is seen from both sides.
 bool has_border(const Mesh& mesh) {
     return topology(mesh.positions.size(), mesh.triangles).num_boundary_edges > 0;
-}
-
-void check(const ConvertInput& input, const ConvertOptions& options) {
-    if (!options.texture.keep_uvs) return;
-    if (!input.mesh) fail(ErrorCode::kInvalidOption, "keep-uvs needs a mesh to keep them of");
-    if (options.texture.paper)
-        fail(ErrorCode::kInvalidOption,
-             "--paper lays out triangles of its own: it does not go with --keep-uvs");
-    if (options.simplify.triangles > 0)
-        fail(ErrorCode::kInvalidOption,
-             "--keep-uvs keeps the mesh: it does not go with --triangles");
 }
 
 // The mesh that comes from a file instead of from reconstruction.
@@ -142,13 +155,26 @@ ReconstructResult given_mesh(ConvertInput& input) {
 
 }  // namespace
 
+void validate(const ConvertOptions& options) {
+    if (options.texture.texture_error && !(*options.texture.texture_error >= 0.0))
+        fail(ErrorCode::kInvalidOption, "texture-error is {}: 0 or more is accepted",
+             *options.texture.texture_error);
+    if (options.simplify.triangles > 0 && (options.simplify.keep_mesh || options.texture.keep_uvs))
+        fail(ErrorCode::kInvalidOption,
+             "--triangles does not go with a mesh that is kept (--keep-mesh, --keep-uvs)");
+    if (options.texture.keep_uvs && options.texture.paper)
+        fail(ErrorCode::kInvalidOption,
+             "--paper lays out triangles of its own: it does not go with --keep-uvs");
+}
+
 ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                       const StageObserver& observer, const Context& context) {
     ConvertResult result;
     StageRunner stages(result, options, observer, context);
-    check(input, options);
+    validate(options);
     std::optional<GivenLayout> layout;
-    if (options.texture.keep_uvs) layout = given_layout(*input.mesh);
+    if (options.texture.keep_uvs) layout = given_layout(input.mesh);
+    const bool is_given = input.mesh || options.reconstruct.surface == Surface::kGiven;
 
     tell_about_faces(input, options, context);
     if (options.texture.paper) tell_paper_readings(context);
@@ -161,9 +187,9 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
         return result;
     }
     if (!stages.run(Stage::kReconstruct, [&] {
-            const bool given = input.mesh || options.reconstruct.surface == Surface::kGiven;
             ReconstructResult surface =
-                given ? given_mesh(input) : reconstruct(result.cloud, options.reconstruct, context);
+                is_given ? given_mesh(input)
+                         : reconstruct(result.cloud, options.reconstruct, context);
             result.dense = std::move(surface.surface);
             result.report.reconstruct = surface.report;
             log(context, LogLevel::kInfo, "surface: {}", surface.report.reason);
@@ -179,6 +205,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
             simplifying.keep_mesh = simplifying.keep_mesh || layout;
             result.light = simplify(result.dense, result.cloud, simplifying, context);
             result.report.simplify = result.light.report;
+            check_off_surface(result, is_given, context);
         })) {
         return result;
     }

@@ -73,6 +73,9 @@ struct ConvertResult {
 /// Called after each stage with all values so far (for --work-dir).
 using StageObserver = std::function<void(Stage, const ConvertResult&)>;
 
+/// Throws Error{kInvalidOption} for options that contradict each other.
+void validate(const ConvertOptions& options);
+
 /// Throws Error as the stages do.
 ConvertResult convert(ConvertInput input, const ConvertOptions& options = {},
                       const StageObserver& observer = {}, const Context& context = {});

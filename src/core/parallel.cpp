@@ -12,8 +12,12 @@
 namespace pointbake {
 
 int num_threads(const Context& context) {
-    if (context.threads > 0) return context.threads;
-    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    // Far more threads than cores only wait for each other.
+    constexpr int kAlwaysAllowed = 16, kMostPerCore = 4;
+    if (context.threads > 0)
+        return std::min(context.threads, std::max(kAlwaysAllowed, kMostPerCore * cores));
+    return cores;
 }
 
 void allow_many_threads() {

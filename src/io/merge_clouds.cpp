@@ -20,7 +20,9 @@ void append_all(PointCloud& all, const Parts& parts, std::vector<T> PointCloud::
     const auto num_with = std::ranges::count_if(parts, has);
     if (num_with == 0) return;
     if (num_with < static_cast<std::ptrdiff_t>(parts.size())) {
-        notes.push_back(fmt::format("{} left out: not all files have them", name));
+        notes.push_back(fmt::format("{} left out: {} of {} files have none", name,
+                                    parts.size() - static_cast<std::size_t>(num_with),
+                                    parts.size()));
         return;
     }
     for (const LoadResult& part : parts) {
@@ -133,6 +135,9 @@ LoadResult merge_clouds(Parts parts, const Context& context) {
     if (parts.size() == 1) return std::move(parts[0]);
     std::vector<std::string> notes;
     PointCloud all = concatenated(parts, notes);
+    for (const std::string& note : notes)
+        log(context, note.starts_with("colours") ? LogLevel::kWarning : LogLevel::kInfo, "{}",
+            note);
     LoadResult result;
     result.cloud = order_cloud(std::move(all), context).cloud;
     restore_rows(result.cloud, parts);

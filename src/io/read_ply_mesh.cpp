@@ -88,7 +88,7 @@ TexturedMesh read_ply_mesh(std::span<const std::byte> bytes, const std::filesyst
     const auto points = header.find("vertex");
     const auto face_element = find_faces(header);
     if (!points || !face_element)
-        fail(ErrorCode::kEmpty,
+        fail(ErrorCode::kInvalidInput,
              "{}: the file holds no faces (elements 'vertex' and 'face'); a mesh is wanted", name);
     const PlyBody body(bytes, header, std::max(*points, *face_element) + 1, name, context);
     PlyPoints read = read_ply_points(body, header, *points, name, context);

@@ -19,6 +19,13 @@ inline Vec3f color_value(Rgb16 c) {
     return Vec3f{static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b)} /
            65535.0F;
 }
+/// Linear light of a colour value; clamps.
+inline Vec3f value_to_linear(Vec3f v) {
+    const auto code = [](float x) {
+        return static_cast<std::uint16_t>(std::clamp(x, 0.0F, 1.0F) * 65535.0F + 0.5F);
+    };
+    return to_linear({code(v.x), code(v.y), code(v.z)});
+}
 inline Vec3f linear_to_value(Vec3f v) {
     return Vec3f{linear_to_srgb255(v.x), linear_to_srgb255(v.y), linear_to_srgb255(v.z)} / 255.0F;
 }
@@ -27,7 +34,7 @@ inline Vec3f linear_to_value(Vec3f v) {
 struct MapValues {
     MapKind kind = MapKind::kColor;
     std::span<const Vec3f> values;  ///< sharpened
-    std::span<const Vec3f> linear;  ///< the points' own colours in linear light; empty for normals
+    std::span<const Vec3f> linear;  ///< the same in linear light; empty for normals
 };
 
 /// Value on the 8-bit scale (0..255, not rounded): errors are measured here. Colours beyond black

@@ -167,6 +167,9 @@ class Painter {
             fail(ErrorCode::kLimit,
                  "a triangle repeats its page too often to be painted; without --keep-uvs a new "
                  "layout is made");
+        while (num_sizes_ > 1 && texels_of_surface(limits_.sizes[num_sizes_ - 2]) >
+                                     kTexelsPerPoint * static_cast<double>(source_.cloud.size()))
+            --num_sizes_;
         const auto wish = [&](std::size_t begin, std::size_t end) {
             TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
             std::size_t largest = 0;
@@ -187,6 +190,15 @@ class Painter {
         for (Index t = 0; t < mesh_.triangles.size(); ++t)
             if (texels_around(corners(t, pages)) > kLargestBox) return false;
         return true;
+    }
+
+    double texels_of_surface(const Pages& pages) const {
+        double sum = 0.0;
+        for (Index t = 0; t < mesh_.triangles.size(); ++t) {
+            const Corners c = corners(t, pages);
+            sum += 0.5 * std::fabs(cross(c[1] - c[0], c[2] - c[0]));
+        }
+        return sum;
     }
 
     bool is_content(const TriangleGauge& gauge, Index t, std::size_t size) const {
@@ -321,10 +333,13 @@ class Painter {
         if (is_paintable_[t] == 0 || static_cast<double>(own_error()) <= limits_.bound)
             out.by_layout = true;
         else
-            out.cap = pitch(layout) <= gauge.min_pitch() || size_ + 1 < limits_.sizes.size()
-                          ? CapReason::kSpacing
-                          : CapReason::kSize;
+            out.cap = cap_of(pitch(layout) <= gauge.min_pitch());
         return out;
+    }
+
+    CapReason cap_of(bool is_fine) const {
+        if (is_fine || size_ + 1 < num_sizes_) return CapReason::kSpacing;
+        return num_sizes_ < limits_.sizes.size() ? CapReason::kCount : CapReason::kSize;
     }
 
     void report(const std::vector<Outcome>& outcomes) {
@@ -346,6 +361,7 @@ class Painter {
             areas.push_back(source_.scene.shell.frame(t).area());
             if (o.by_layout) ++report.capped.by_layout;
             if (o.cap == CapReason::kSpacing) ++report.capped.by_spacing;
+            if (o.cap == CapReason::kCount) ++report.capped.by_count;
             if (o.cap == CapReason::kSize)
                 ++(limits_.ends_with_budget ? report.capped.by_budget : report.capped.by_size);
         }

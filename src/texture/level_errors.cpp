@@ -13,7 +13,6 @@ constexpr std::size_t kGrain = 32;  // triangles per chunk
 constexpr int kMaxLevels = 40;
 constexpr double kFlat =
     1.0;  // one texel is for flat colour: on gradients the triangles would show
-constexpr double kTexelsPerPoint = 8.0;  // [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8
 
 // What forbids a level, if anything.
 CapReason cap_of(const TriangleFrame& frame, int level, double min_pitch, std::size_t num_points,

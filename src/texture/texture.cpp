@@ -59,9 +59,6 @@ struct TextureBaker::Impl {
         hide_covered_in_place(prints, cloud, shell, context);
         report_progress(context, "texture", 0.1);
         raw = map_values(cloud, kind, prints);
-        if (kind == MapKind::kColor)
-            for (const Footprint& f : prints.items)
-                linear.push_back(to_linear(cloud.colors[f.point]));
         std::vector<std::uint64_t> rows(raw.size());
         for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = cloud.rows[prints.items[i].point];
         if (options.paper) {
@@ -69,6 +66,8 @@ struct TextureBaker::Impl {
         } else {
             sharpened = sharpen(scene, kind, raw, rows, context);
         }
+        if (kind == MapKind::kColor)
+            for (const Vec3f& value : sharpened.values) linear.push_back(value_to_linear(value));
         report_progress(context, "texture", 0.3);
         if (options.keep_uvs) return;
         levels = measure_levels(scene, cloud, source().map, options, context);

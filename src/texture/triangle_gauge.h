@@ -8,6 +8,8 @@
 
 namespace pointbake {
 
+/// [Wicke05] eq. (2) on a square grid: (d / s)^2 = 8.
+inline constexpr double kTexelsPerPoint = 8.0;
 /// RMS error at which 8-bit rounding is nearly all that is left: rounding alone is 0.29.
 inline constexpr float kNothingToGain = 0.35F;
 

@@ -1,4 +1,5 @@
 // Whole conversions from file to file, and what they say about themselves.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -179,6 +180,42 @@ TEST_F(Conversion, KeepsTheTextureCoordinatesOfAGivenMesh) {
     EXPECT_EQ(folder_.read("same.glb"), folder_.read("again.glb"));
 }
 
+// An OBJ of a tetrahedron around the egg.
+std::string tetrahedron_obj(double size) {
+    return fmt::format(
+        "v 0 0 {0}\nv {0} 0 -{0}\nv -{0} {0} -{0}\nv -{0} -{0} -{0}\n"
+        "f 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n",
+        size);
+}
+
+TEST_F(Conversion, AMeshInAnotherPlaceOrUnitIsToldAbout) {
+    folder_.write("mm.obj", tetrahedron_obj(2000.0));
+    const ProgramRun none = run({"in.ply", "out.glb", "--mesh", "mm.obj"});
+    EXPECT_EQ(none.exit_code, 6) << none.err;
+    EXPECT_THAT(none.err, HasSubstr("same place and unit"));
+    EXPECT_THAT(run_well({"texture", "mm.obj", "in.ply", "out.glb"}).err,
+                HasSubstr("from the mesh in the mean"));
+    folder_.write("near.obj", tetrahedron_obj(2.0));
+    EXPECT_THAT(
+        run_well({"in.ply", "out.glb", "--mesh", "near.obj", "--geometry-error", "0.3"}).err,
+        testing::AllOf(HasSubstr("are left out"), HasSubstr("off the surface")));
+}
+
+TEST_F(Conversion, WhatLooksLikeAnInputIsNotOverwrittenByASlip) {
+    run_well({"reconstruct", "in.ply", "ours.ply"});
+    run_well({"in.ply", "ours.ply"});
+    std::string scan = folder_.read("ours.ply");
+    scan.replace(scan.find("comment pointbake"), 17, "comment scannerXY");
+    folder_.write("scan.ply", scan);
+    EXPECT_EQ(run({"in.ply", "scan.ply"}).exit_code, 2);
+    EXPECT_EQ(folder_.read("scan.ply"), scan);
+    run_well({"in.ply", "-o", "scan.ply"});
+    folder_.write("egg.obj", tetrahedron_obj(1.0));
+    const ProgramRun shared = run({"texture", "egg.obj", "in.ply", "egg.gltf"});
+    EXPECT_EQ(shared.exit_code, 2);
+    EXPECT_THAT(shared.err, HasSubstr("choose another name"));
+}
+
 TEST_F(Conversion, SampleMakesPointsOfTheModelAgain) {
     run_well({"in.ply", "out.glb"});
     run_well({"sample", "out.glb", "again.ply", "--points", "1000"});
@@ -246,8 +283,8 @@ TEST_F(Conversion, InfoTellsWhatIsInAFile) {
 TEST_F(Conversion, DemoMakesModelPointsAndPicture) {
     run_well({"demo", "made/here/demo.glb", "--points", "5000"});
     EXPECT_THAT(folder_.read("made/here/demo.glb"), testing::StartsWith("glTF"));
-    EXPECT_THAT(folder_.read("made/here/demo.ply"), testing::StartsWith("ply"));
-    EXPECT_THAT(folder_.read("made/here/demo.png"), HasSubstr("PNG"));
+    EXPECT_THAT(folder_.read("made/here/demo-points.ply"), testing::StartsWith("ply"));
+    EXPECT_THAT(folder_.read("made/here/demo-picture.png"), HasSubstr("PNG"));
 }
 
 }  // namespace

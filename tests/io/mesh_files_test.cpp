@@ -162,10 +162,10 @@ TEST(PlyMesh, ReadsTextureCoordinatesPerVertexAndColors) {
     }
 }
 
-TEST(PlyMesh, WithoutFacesIsEmpty) {
+TEST(PlyMesh, WithoutFacesIsRefused) {
     const TempFolder folder;
     const auto path = folder.write("a.ply", make_ply("ascii", {three_points()}));
-    EXPECT_EQ(error_of([&] { load_mesh(path); }).code(), ErrorCode::kEmpty);
+    EXPECT_EQ(error_of([&] { load_mesh(path); }).code(), ErrorCode::kInvalidInput);
 }
 
 }  // namespace
