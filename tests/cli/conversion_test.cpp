@@ -180,6 +180,27 @@ TEST_F(Conversion, KeepsTheTextureCoordinatesOfAGivenMesh) {
     EXPECT_EQ(folder_.read("same.glb"), folder_.read("again.glb"));
 }
 
+TEST_F(Conversion, EveryMaterialOfAKeptLayoutGetsAPageOfItsShape) {
+    run_well({"in.ply", "page.obj", "--triangles", "300"});  // for page.png
+    folder_.write("two.mtl", "newmtl photo\nmap_Kd page.png\nnewmtl plain\nKd 1 0 0\n");
+    folder_.write("two.obj",
+                  "mtllib two.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
+                  "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                  "usemtl photo\nf 1/1 2/2 3/3\nusemtl plain\nf 1/1 3/3 4/4\n");
+    run_well({"texture", "two.obj", "in.ply", "two.glb", "--keep-uvs", "--texels", "200000"});
+    const GlbContents file = check_glb(folder_ / "two.glb");
+    EXPECT_THAT(file.problems, testing::IsEmpty());
+    ASSERT_EQ(file.images.size(), 2U);
+    const auto side = [&](std::size_t image, std::size_t byte) {
+        return 256 * std::to_integer<int>(file.images[image][byte]) +
+               std::to_integer<int>(file.images[image][byte + 1]);
+    };
+    EXPECT_EQ(side(1, 18), side(1, 22)) << "square without an image";
+    EXPECT_GE(side(1, 18), std::max(side(0, 18), side(0, 22)));
+    EXPECT_EQ(file.document["materials"][0]["name"], "photo");
+    EXPECT_EQ(file.document["materials"][1]["name"], "plain");
+}
+
 // An OBJ of a tetrahedron around the egg.
 std::string tetrahedron_obj(double size) {
     return fmt::format(
