@@ -88,6 +88,17 @@ struct Image {
     std::size_t num_texels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     }
+    /// Place of the texel in column x and row y, which may lie beyond the image.
+    std::size_t texel(int x, int y) const {
+        return static_cast<std::size_t>(inside(y, height)) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(inside(x, width));
+    }
+
+ private:
+    int inside(int i, int size) const {
+        if (repeats) return ((i % size) + size) % size;
+        return i < 0 ? 0 : (i < size ? i : size - 1);
+    }
 };
 
 /// Triangles over shared vertices, counter-clockwise seen from outside.

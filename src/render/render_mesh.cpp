@@ -122,25 +122,18 @@ struct LinearImage {
     const std::array<float, 256>& table;
 
     Vec3f texel(int x, int y) const {
-        const auto at = static_cast<std::size_t>(image.num_channels) *
-                        (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                         static_cast<std::size_t>(x));
+        const std::size_t at = static_cast<std::size_t>(image.num_channels) * image.texel(x, y);
         const std::size_t step = image.num_channels >= 3 ? 1 : 0;  // grey: the same thrice
         return {table[image.pixels[at]], table[image.pixels[at + step]],
                 table[image.pixels[at + 2 * step]]};
-    }
-    int place(int i, int size) const {
-        return image.repeats ? ((i % size) + size) % size : std::clamp(i, 0, size - 1);
     }
     // Bilinear; (0, 0) is the upper left corner.
     Vec3f at(double u, double v) const {
         const double x = u * image.width - 0.5, y = v * image.height - 0.5;
         const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
-        const int x0 = place(i, image.width), x1 = place(i + 1, image.width);
-        const int y0 = place(j, image.height), y1 = place(j + 1, image.height);
         const auto s = static_cast<float>(x - i), t = static_cast<float>(y - j);
-        return (texel(x0, y0) * (1.0F - s) + texel(x1, y0) * s) * (1.0F - t) +
-               (texel(x0, y1) * (1.0F - s) + texel(x1, y1) * s) * t;
+        return (texel(i, j) * (1.0F - s) + texel(i + 1, j) * s) * (1.0F - t) +
+               (texel(i, j + 1) * (1.0F - s) + texel(i + 1, j + 1) * s) * t;
     }
 };
 

@@ -26,6 +26,7 @@ constexpr double kLargestBox = 1 << 25;  // texels around one triangle
 
 using Corners = std::array<Vec2d, 3>;
 using Pages = std::vector<PageSize>;
+using CapCount = Index CappedCounts::*;
 
 Corners texels_of(const std::array<Vec2f, 3>& uvs, PageSize page) {
     Corners out;
@@ -54,34 +55,18 @@ double depth_inside(const Corners& c, Vec2d x) {
                      cross(c[0] - x, c[1] - x) / area});
 }
 
-// A page as a renderer finds its texels.
-struct PageGrid {
-    PageSize size;
-    bool repeats = false;
-
-    int column(int x) const { return place(x, size.width); }
-    int row(int y) const { return place(y, size.height); }
-    bool holds(int x, int y) const {
-        return repeats || (x >= 0 && x < size.width && y >= 0 && y < size.height);
-    }
-    std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>(row(y)) * static_cast<std::size_t>(size.width) +
-               static_cast<std::size_t>(column(x));
-    }
-
- private:
-    int place(int i, int n) const { return repeats ? ((i % n) + n) % n : std::clamp(i, 0, n - 1); }
-};
-
 // Visits the texels of the page that a triangle needs, x and y as its corners have them.
 template <class Visit>
-void for_each_texel(const Corners& corners, const PageGrid& grid, Visit&& visit) {
+void for_each_texel(const Corners& corners, const Image& page, Visit&& visit) {
+    const auto has = [&](int x, int y) {
+        return page.repeats || (x >= 0 && x < page.width && y >= 0 && y < page.height);
+    };
     const NeedSet need = need_set(corners);
     for (int row = 0; row < need.shape.height(); ++row) {
         const PatchShape::Span span = need.shape.rows[static_cast<std::size_t>(row)];
         for (int i = span.left; i <= span.right; ++i) {
             const int x = i + need.offset_x, y = row + need.offset_y;
-            if (grid.holds(x, y)) visit(x, y);
+            if (has(x, y)) visit(x, y);
         }
     }
 }
@@ -94,12 +79,12 @@ struct TexelOwner {
 };
 
 // Bilinear, in linear light, as hardware reads a page of colours.
-Vec3f read_page(const Image& page, const PageGrid& grid, Vec2d texel) {
+Vec3f read_page(const Image& page, Vec2d texel) {
     const double x0 = std::floor(texel.x), y0 = std::floor(texel.y);
     const auto fx = static_cast<float>(texel.x - x0), fy = static_cast<float>(texel.y - y0);
     const int x = static_cast<int>(x0), y = static_cast<int>(y0);
     const auto at = [&](int i, int j) {
-        const std::uint8_t* p = &page.pixels[3 * grid.index(i, j)];
+        const std::uint8_t* p = &page.pixels[3 * page.texel(i, j)];
         return decode(MapKind::kColor, {p[0], p[1], p[2]});
     };
     const Vec3f top = at(x, y) * (1.0F - fx) + at(x + 1, y) * fx;
@@ -158,7 +143,6 @@ class Painter {
     Corners corners(Index t, const Pages& pages) const {
         return texels_of(mesh_.uvs[t], pages[layout_.triangle_pages[t]]);
     }
-    PageGrid grid(Index page) const { return {out_.pages[page], repeats_[page] != 0}; }
 
     // The first size that all triangles with points are content with, as far as memory allows.
     void choose_size() {
@@ -167,9 +151,13 @@ class Painter {
             fail(ErrorCode::kLimit,
                  "a triangle repeats its page too often to be painted; without --keep-uvs a new "
                  "layout is made");
+        if (num_sizes_ == limits_.sizes.size() && limits_.ends_with_budget)
+            cap_of_last_ = &CappedCounts::by_budget;
         while (num_sizes_ > 1 && texels_of_surface(limits_.sizes[num_sizes_ - 2]) >
-                                     kTexelsPerPoint * static_cast<double>(source_.cloud.size()))
+                                     kTexelsPerPoint * static_cast<double>(source_.cloud.size())) {
             --num_sizes_;
+            cap_of_last_ = &CappedCounts::by_count;
+        }
         const auto wish = [&](std::size_t begin, std::size_t end) {
             TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
             std::size_t largest = 0;
@@ -235,11 +223,11 @@ class Painter {
             if (is_paintable_[t] == 0) continue;
             const Corners c = corners(t, out_.pages);
             const Index page = layout_.triangle_pages[t];
-            const PageGrid page_grid = grid(page);
-            for_each_texel(c, page_grid, [&](int x, int y) {
+            const Image& image = out_.texture.model.images[page];
+            for_each_texel(c, image, [&](int x, int y) {
                 const double depth =
                     depth_inside(c, {static_cast<double>(x), static_cast<double>(y)});
-                TexelOwner& owner = owners_[page][page_grid.index(x, y)];
+                TexelOwner& owner = owners_[page][image.texel(x, y)];
                 if (owner.is_inside) {
                     owner.is_shared = owner.is_shared || depth > kInside;
                 } else if (depth >= -kInside || owner.triangle == kInvalidIndex) {
@@ -271,10 +259,9 @@ class Painter {
 
     void copy(Index t, const PatchTexels& texels) {
         const Index page = layout_.triangle_pages[t];
-        const PageGrid page_grid = grid(page);
         Image& image = out_.texture.model.images[page];
-        for_each_texel(texels.layout.corners, page_grid, [&](int x, int y) {
-            const std::size_t at = page_grid.index(x, y);
+        for_each_texel(texels.layout.corners, image, [&](int x, int y) {
+            const std::size_t at = image.texel(x, y);
             const TexelOwner& owner = owners_[page][at];
             if (owner.triangle != t || owner.x != x || owner.y != y) return;
             const Texel texel = texels.texel(x - texels.need.offset_x, y - texels.need.offset_y);
@@ -287,8 +274,7 @@ class Painter {
     // What a triangle makes of the pages.
     struct Outcome {
         float error = 0.0F;
-        CapReason cap = CapReason::kNone;
-        bool by_layout = false;
+        CapCount cap = nullptr;  // what kept it above the bound
     };
 
     void measure() {
@@ -323,7 +309,7 @@ class Painter {
             const Index page = layout_.triangle_pages[t];
             const auto read = [&](Vec2f place) {
                 const std::array<double, 3> b = frame.barycentric(vec_cast<double>(place));
-                return read_page(out_.texture.model.images[page], grid(page),
+                return read_page(out_.texture.model.images[page],
                                  c[0] * b[0] + c[1] * b[1] + c[2] * b[2]);
             };
             raw.measure(t, read);
@@ -331,15 +317,12 @@ class Painter {
         }
         if (static_cast<double>(out.error) <= limits_.bound) return out;
         if (is_paintable_[t] == 0 || static_cast<double>(own_error()) <= limits_.bound)
-            out.by_layout = true;
+            out.cap = &CappedCounts::by_layout;
+        else if (pitch(layout) <= gauge.min_pitch() || size_ + 1 < num_sizes_)
+            out.cap = &CappedCounts::by_spacing;
         else
-            out.cap = cap_of(pitch(layout) <= gauge.min_pitch());
+            out.cap = cap_of_last_;
         return out;
-    }
-
-    CapReason cap_of(bool is_fine) const {
-        if (is_fine || size_ + 1 < num_sizes_) return CapReason::kSpacing;
-        return num_sizes_ < limits_.sizes.size() ? CapReason::kCount : CapReason::kSize;
     }
 
     void report(const std::vector<Outcome>& outcomes) {
@@ -359,11 +342,7 @@ class Painter {
             const Outcome& o = outcomes[t];
             errors.push_back(o.error);
             areas.push_back(source_.scene.shell.frame(t).area());
-            if (o.by_layout) ++report.capped.by_layout;
-            if (o.cap == CapReason::kSpacing) ++report.capped.by_spacing;
-            if (o.cap == CapReason::kCount) ++report.capped.by_count;
-            if (o.cap == CapReason::kSize)
-                ++(limits_.ends_with_budget ? report.capped.by_budget : report.capped.by_size);
+            if (o.cap) ++(report.capped.*o.cap);
         }
         summarise_distribution(std::move(errors), areas, report);
     }
@@ -375,7 +354,8 @@ class Painter {
     const Context& context_;
     std::vector<std::uint8_t> repeats_;       // per page: do texture coordinates leave it?
     std::vector<std::uint8_t> is_paintable_;  // per triangle
-    std::size_t num_sizes_ = 0, size_ = 0;    // those that can be painted; the one that is
+    CapCount cap_of_last_ = &CappedCounts::by_size;
+    std::size_t num_sizes_ = 0, size_ = 0;  // those that can be painted; the one that is
     std::vector<std::vector<TexelOwner>> owners_;
     GivenBake out_;
 };

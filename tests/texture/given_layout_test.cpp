@@ -40,21 +40,6 @@ GivenBake bake(const Painted& p, const GivenLayout& layout, const GivenLimits& l
         .bake_given(layout, limits, context);
 }
 
-double rms_against_wave(const TexturedMesh& model) {
-    double sum = 0.0;
-    int count = 0;
-    for (int j = 1; j < 50; ++j) {
-        for (int i = 1; i < 50; ++i) {
-            const double x = i / 50.0, y = j / 50.0;
-            const Index t = y <= x ? 0 : 1;
-            const Vec3d b = t == 0 ? Vec3d{1 - x, x - y, y} : Vec3d{1 - y, x, y - x};
-            sum += squared_length(color_at(model, t, b) - wave(x, y) * 255.0) / 3.0;
-            ++count;
-        }
-    }
-    return std::sqrt(sum / count);
-}
-
 TEST(GivenLayout, KeepsTheTextureCoordinatesOnTheFirstPagesWithinTheBound) {
     const Painted p = laid_out_square();
     const GivenBake out = bake(p, kOnePage, limits(0.7, {64, 96, 128, 192, 256}));
@@ -62,7 +47,7 @@ TEST(GivenLayout, KeepsTheTextureCoordinatesOnTheFirstPagesWithinTheBound) {
     EXPECT_EQ(out.texture.model.materials.at(0).name, "paint");
     EXPECT_TRUE(out.report.bound_met);
     EXPECT_LE(out.report.error_max, 0.7);
-    EXPECT_LT(rms_against_wave(out.texture.model), 1.0);
+    EXPECT_LT(rms_against(out.texture.model, wave), 1.0);
     EXPECT_EQ(out.num_shared_texels, 0U);
     EXPECT_LE(out.report.payload_texels, 0.65 * static_cast<double>(num_texels(out.pages)));
     const int side = out.pages.at(0).width;
@@ -77,6 +62,12 @@ TEST(GivenLayout, TheLastPagesCapWhatWantsMore) {
     small.ends_with_budget = true;
     EXPECT_EQ(bake(p, kOnePage, small).report.capped.by_budget, 2U);
     EXPECT_EQ(bake(p, kOnePage, limits(0.01, {64, 1024})).report.capped.by_spacing, 2U);
+    // Rounding alone is more than the bound: larger pages are not tried.
+    Painted even = painted_square(80, [](double, double) { return Vec3d{0.2013, 0.2013, 0.2013}; });
+    even.mesh.uvs = p.mesh.uvs;
+    const GivenBake out = bake(even, kOnePage, limits(0.01, {64, 128}));
+    EXPECT_EQ(out.pages.at(0).width, 64);
+    EXPECT_EQ(out.report.capped.by_spacing, 2U);
 }
 
 TEST(GivenLayout, ATriangleThatShowsAnothersTexelsMissesItsBound) {
@@ -120,6 +111,11 @@ TEST(GivenLayout, PagesRepeatWhereTheLayoutLeavesThem) {
 TEST(GivenLayout, APatternThatCoversItsPageManyTimesShowsWhatCameFirst) {
     const GivenBake out = bake(laid_out_square(0.0, 3.0), kOnePage, limits(4.0, {64}));
     EXPECT_EQ(out.num_shared_texels, 64U * 64U);
+    // Texel (20, 40) of the first tile shows the place x = v / 3, y = u / 3.
+    const std::uint8_t* texel = &out.texture.model.images.at(0).pixels[3 * (40 * 64 + 20)];
+    const Vec3d first = wave(40.5 / 64 / 3, 20.5 / 64 / 3) * 255.0;
+    EXPECT_NEAR(texel[0], first.x, 4.0);
+    EXPECT_NEAR(texel[1], first.y, 4.0);
     EXPECT_EQ(out.report.capped.by_layout, 2U);
     EXPECT_THROW(bake(laid_out_square(0.0, 15.0), kOnePage, limits(4.0, {1024})), Error);
 }

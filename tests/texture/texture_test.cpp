@@ -15,22 +15,6 @@ namespace {
 
 constexpr std::int64_t kNoBudget = std::numeric_limits<std::int64_t>::max();
 
-double rms_against(const TexturedMesh& model, const std::function<Vec3d(double, double)>& truth) {
-    double sum = 0.0;
-    int count = 0;
-    for (int j = 2; j < 48; ++j) {
-        for (int i = 2; i < 48; ++i) {
-            const double x = (i + 0.3) / 50, y = (j + 0.6) / 50;
-            const Index t = y <= x ? 0 : 1;
-            const Vec3d b = t == 0 ? Vec3d{1 - x, x - y, y} : Vec3d{1 - y, x, y - x};
-            const Vec3d d = color_at(model, t, b) - truth(x, y) * 255.0;
-            sum += squared_length(d) / 3.0;
-            ++count;
-        }
-    }
-    return std::sqrt(sum / count);
-}
-
 TEST(Texture, ConstantColourCostsOneTexelPerTriangleAndIsExact) {
     const Painted p = painted_square(40, [](double, double) { return Vec3d{0.2, 0.4, 0.8}; });
     const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
