@@ -98,7 +98,7 @@ void tell_paper_readings(const Context& context) {
         "--paper: eq. (1) literally, over the points whose centre lies in the triangle, against "
         "--texture-error times "
         "its area; spacing after eq. (2) from the closest two points; Appendix A packing with rows "
-        "kept open");
+        "kept open; a point is hidden where two others lie over it beyond a gap of 2.5 spacings");
 }
 
 // Points that the surface leaves out are told of when they are many; when they are all, nothing is
