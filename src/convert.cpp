@@ -97,7 +97,8 @@ void tell_paper_readings(const Context& context) {
     log(context, LogLevel::kInfo,
         "--paper: eq. (1) literally, over the points whose centre lies in the triangle, against "
         "--texture-error times "
-        "its area; spacing after eq. (2) from the closest two points; Appendix A packing with rows "
+        "its area; d_min of eq. (2) is the 5 % quantile of the spacings; Appendix A packing with "
+        "rows "
         "kept open; a point is hidden where two others lie over it beyond a gap of 2.5 spacings");
 }
 
