@@ -39,7 +39,7 @@ Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions&
     const std::int64_t area = num_texels(pages);
 
     // If all patches are as large as they may be, the pages shrink to what they need.
-    TexturePlan whole = baker.plan(bound, area);
+    TexturePlan whole = baker.plan(bound, area, context);
     if (whole.all_at_cap) {
         Packing packing = pack(whole.shapes, options.atlas, context);
         if (packing.num_texels <= budget)
@@ -50,7 +50,7 @@ Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions&
            next = 0.93 * high;
     for (int step = 0; step < kFitSteps || !best; ++step) {
         check_cancelled(context);
-        TexturePlan plan = baker.plan(bound, static_cast<std::int64_t>(next));
+        TexturePlan plan = baker.plan(bound, static_cast<std::int64_t>(next), context);
         std::optional<Packing> packing = pack_into(plan.shapes, pages, options.atlas, context);
         if (packing) {
             low = next;
@@ -73,26 +73,22 @@ Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions&
 Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& options,
            const Context& context) {
     if (options.texture.texels > 0) return fit_budget(baker, bound, options, context);
-    TexturePlan plan = baker.plan(bound, std::numeric_limits<std::int64_t>::max());
+    TexturePlan plan = baker.plan(bound, std::numeric_limits<std::int64_t>::max(), context);
     Packing packing = pack(plan.shapes, options.atlas, context);
     return {std::move(plan), std::move(packing.pages), std::move(packing.placements)};
 }
 
-BakeResult finish(BakedTexture baked, TextureReport texture, std::vector<PageSize> pages,
-                  const Context& context) {
+BakeResult finish(BakedTexture baked, std::vector<PageSize> pages, const Context& context) {
     for (std::size_t i = 0; i < pages.size(); ++i)
         fill_unowned_in_place(baked.model.images[i], baked.owned[i], context);
     report_progress(context, "texture", 1.0);
     BakeResult out;
     out.model = std::move(baked.model);
-    out.texture = texture;
-    out.texture.raw_rms = baked.raw_rms;
-    out.texture.raw_p99 = baked.raw_p99;
-    out.texture.num_uncovered_texels = baked.num_uncovered;
+    out.texture = baked.report;
     out.atlas.num_texels = num_texels(pages);
     const auto all = static_cast<double>(out.atlas.num_texels);
-    out.atlas.fill = static_cast<double>(texture.num_needed_texels) / all;
-    out.atlas.payload = texture.payload_texels / all;
+    out.atlas.fill = static_cast<double>(out.texture.num_needed_texels) / all;
+    out.atlas.payload = out.texture.payload_texels / all;
     out.atlas.pages = std::move(pages);
     return out;
 }
@@ -115,17 +111,19 @@ BakeResult pack_and_bake(const Mesh& mesh, const PointCloud& cloud, std::span<co
     ConvertOptions options = given;
     if (options.texture.paper) {
         options.texture.projection = Projection::kOrthographic;
+        options.texture.atlas = AtlasKind::kTriangles;
         options.atlas.packer = Packer::kAppendixA;
     }
+    if (options.texture.atlas == AtlasKind::kCharts) options.atlas.packer = Packer::kBitmap;
     TextureOptions texture = options.texture;
-    texture.max_patch = std::min(texture.max_patch, smallest_page_side(options));
+    texture.max_side = smallest_page_side(options);
+    texture.max_patch = std::min(texture.max_patch, texture.max_side);
     const double bound = bound_of(texture);
     const TextureBaker baker(mesh, cloud, owners, texture, context);
     Fitted fitted = fit(baker, bound, options, context);
     report_progress(context, "texture", 0.85);
-    BakedTexture baked = baker.bake(fitted.plan, fitted.pages, fitted.placements, context);
-    return finish(std::move(baked), baker.report(fitted.plan, bound), std::move(fitted.pages),
-                  context);
+    BakedTexture baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
+    return finish(std::move(baked), std::move(fitted.pages), context);
 }
 
 BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
@@ -142,8 +140,7 @@ BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
             num_texels(scaled_pages(proportions, kNoBudget, options.atlas).back()) > texels};
     const TextureBaker baker(mesh, cloud, owners, options.texture, context);
     GivenBake baked = baker.bake_given(layout, limits, context);
-    BakeResult out =
-        finish(std::move(baked.texture), baked.report, std::move(baked.pages), context);
+    BakeResult out = finish(std::move(baked.texture), std::move(baked.pages), context);
     if (baked.num_shared_texels > 0)
         out.warnings.push_back(
             fmt::format("--keep-uvs: {} texels lie in several triangles (a mirrored or repeated "

@@ -12,10 +12,10 @@
 
 namespace pointbake {
 
-enum class Packer { kLeastWaste, kAppendixA };
+enum class Packer { kLeastWaste, kAppendixA, kBitmap };
 template <>
 struct EnumWords<Packer> {
-    static constexpr std::string_view words[] = {"least-waste", "appendix-a"};
+    static constexpr std::string_view words[] = {"least-waste", "appendix-a", "bitmap"};
 };
 
 struct AtlasOptions {

@@ -10,14 +10,19 @@
 
 namespace pointbake {
 
-/// The texels that bilinear sampling of a patch can read (its need set), as one span [left, right]
-/// per row. Row 0 is the top one; left >= 0 and the smallest left is 0; every row of [0, height)
-/// has at least one texel.
+/// The texels that a patch needs: those that bilinear sampling can read (its need set) and its
+/// gutter. One span [left, right] per row, less the gaps in it. Row 0 is the top one; left >= 0 and
+/// the smallest left is 0; every row of [0, height) has at least one texel.
 struct PatchShape {
     struct Span {
         std::int32_t left = 0, right = -1;
     };
+    struct Gap {
+        std::int32_t row = 0;
+        Span span;
+    };
     std::vector<Span> rows;
+    std::vector<Gap> gaps{};  ///< inside the rows' spans, ascending, apart; one triangle has none
 
     int height() const { return static_cast<int>(rows.size()); }
     int width() const;
@@ -33,13 +38,17 @@ struct NeedSet {
     int offset_x = 0, offset_y = 0;
 };
 NeedSet need_set(const std::array<Vec2d, 3>& corners);
+/// The set of the texels that are marked, one byte per texel, row by row. No row between the first
+/// and the last one that has any may be empty.
+NeedSet need_set(std::span<const std::uint8_t> marked, int width);
 
 /// How a patch lies in its page. Patch texel (i, j) of a w x h shape lies at (x + i', y + j') with
-/// i' = w-1-i if mirror_x, j' = h-1-j if mirror_y; both = rotated by 180 degrees.
+/// i' = w-1-i if mirror_x, j' = h-1-j if mirror_y; both = rotated by 180 degrees. If transposed, i'
+/// and j' are swapped after that.
 struct Placement {
     Index page = 0;
     int x = 0, y = 0;
-    bool mirror_x = false, mirror_y = false;
+    bool mirror_x = false, mirror_y = false, transposed = false;
 };
 
 struct PageSize {

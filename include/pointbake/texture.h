@@ -16,6 +16,12 @@
 
 namespace pointbake {
 
+enum class AtlasKind { kCharts, kTriangles };
+template <>
+struct EnumWords<AtlasKind> {
+    static constexpr std::string_view words[] = {"charts", "triangles"};
+};
+
 enum class Projection { kInterpolated, kOrthographic };
 template <>
 struct EnumWords<Projection> {
@@ -25,8 +31,11 @@ struct EnumWords<Projection> {
 struct TextureOptions {
     std::optional<double> texture_error;  ///< unset: 4, or no bound if a number of texels is given
     std::uint64_t texels = 0;
+    AtlasKind atlas = AtlasKind::kCharts;
+    int mips = 2;
     Projection projection = Projection::kInterpolated;
     int max_patch = 1024;
+    int max_side = 4096;  ///< of a chart: what a page has room for
     bool paper = false;
     bool keep_uvs = false;
     template <class Field>
@@ -37,10 +46,15 @@ struct TextureOptions {
         field("texels", &TextureOptions::texels,
               "at most this many texels over all pages of a map; alone, it replaces the default "
               "bound");
+        field("atlas", &TextureOptions::atlas,
+              "a patch is a chart of many triangles, or one triangle");
+        field("mips", &TextureOptions::mips,
+              "mip levels that charts keep apart: 2^N texels around each are its own");
         field("projection", &TextureOptions::projection,
               "points are projected along the interpolated vertex normal, or the triangle's "
               "(orthographic)");
-        field("max-patch", &TextureOptions::max_patch, "longest side of a patch in texels");
+        field("max-patch", &TextureOptions::max_patch,
+              "longest side of a triangle's patch in texels");
         field("keep-uvs", &TextureOptions::keep_uvs,
               "bake into the texture coordinates of the given mesh, which stays as it is");
         field("paper", &TextureOptions::paper, "all choices of Wicke, Olibet, Gross 2005");
@@ -76,8 +90,8 @@ struct TextureReport {
 
 /// Sizes chosen for all patches: what the atlas packs.
 struct TexturePlan {
-    std::vector<std::uint8_t> levels;  ///< per triangle
-    std::vector<PatchShape> shapes;    ///< per triangle
+    std::vector<std::uint8_t> levels;  ///< per patch: its size, small to large
+    std::vector<PatchShape> shapes;    ///< per patch
     std::int64_t num_needed = 0;       ///< texels of all shapes
     bool all_at_cap = false;           ///< no patch could use more texels
 };
@@ -86,9 +100,8 @@ struct TexturePlan {
 struct BakedTexture {
     TexturedMesh model;
     std::vector<std::vector<std::uint8_t>>
-        owned;                            ///< per page, one byte per texel: 1 = a patch needs it
-    double raw_rms = 0.0, raw_p99 = 0.0;  ///< written texture against the points' own colours
-    std::uint64_t num_uncovered = 0;      ///< texels no splat reached
+        owned;  ///< per page, one byte per texel: 1 = a patch needs it
+    TextureReport report;
 };
 
 /// A layout that a mesh brings along: its texture coordinates, and a page for each of its
@@ -115,7 +128,6 @@ struct GivenLimits {
 /// What comes of baking into a given layout.
 struct GivenBake {
     BakedTexture texture;
-    TextureReport report;
     std::vector<PageSize> pages;
     std::uint64_t num_shared_texels = 0;  ///< texels inside several triangles (mirrored layouts)
     Index num_without_area = 0;           ///< triangles that cover no area of their page
@@ -135,14 +147,12 @@ class TextureBaker {
     /// Smallest sizes whose error is at most `bound` (8-bit sRGB steps), as far as caps allow,
     /// together needing at most `max_needed` texels: where that is too few they are spent where
     /// they lower the squared error most.
-    TexturePlan plan(double bound, std::int64_t max_needed) const;
+    TexturePlan plan(double bound, std::int64_t max_needed, const Context& context = {}) const;
 
-    /// Splats the plan's patches into pages and fills in texture coordinates and materials.
-    BakedTexture bake(const TexturePlan& plan, std::span<const PageSize> pages,
+    /// Splats the plan's patches into pages and fills in texture coordinates and materials. Errors
+    /// are measured on the written pages.
+    BakedTexture bake(const TexturePlan& plan, double bound, std::span<const PageSize> pages,
                       std::span<const Placement> placements, const Context& context) const;
-
-    /// Figures of a plan against a bound.
-    TextureReport report(const TexturePlan& plan, double bound) const;
 
     /// Splats into the mesh's own texture coordinates instead (with options.keep_uvs, which leaves
     /// out the planning), on the first pages where every triangle's error is at most the bound or

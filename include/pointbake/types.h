@@ -83,7 +83,9 @@ struct PointCloud {
 struct Image {
     int width = 0, height = 0, num_channels = 3;
     std::vector<std::uint8_t> pixels;
-    bool repeats = false;  ///< as a page of a model that was made: beyond 0..1 it begins again
+    // As a page of a model that was made:
+    bool repeats = false;   ///< beyond 0..1 it begins again
+    bool has_mips = false;  ///< what lies side by side may be mixed: viewers may use mip levels
 
     std::size_t num_texels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

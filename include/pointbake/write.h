@@ -49,10 +49,10 @@ struct WriteReport {
 
 /// Writes by extension: .glb, .gltf (+ .bin, .png), .obj (+ .mtl, .png), .ply (texture coordinates
 /// per face, or vertex colours). glTF passes the Khronos validator with 0 errors and 0 warnings:
-/// normals only where lit, samplers that clamp (repeat where a page does) with LINEAR minification
-/// (triangle atlases), exact accessor bounds. Coordinates that lose more than 1e-6 of the diagonal
-/// as floats are written relative to a node translation. Throws Error{kOutput} and leaves nothing
-/// behind; Error{kUnsupported} names the extensions that are known.
+/// normals only where lit, samplers that clamp (repeat where a page does) and use mip levels only
+/// where a page has them, exact accessor bounds. Coordinates that lose more than 1e-6 of the
+/// diagonal as floats are written relative to a node translation. Throws Error{kOutput} and leaves
+/// nothing behind; Error{kUnsupported} names the extensions that are known.
 WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
                         const WriteOptions& options = {}, const Context& context = {});
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "atlas/appendix_a.h"
+#include "atlas/bitmap.h"
 #include "atlas/layout.h"
 #include "atlas/pages.h"
 #include "atlas/rows.h"
@@ -22,29 +23,61 @@ constexpr double kFirstFill = 0.93;
 constexpr double kFillStep = 0.85;
 constexpr int kNumRefinements = 4;
 
-std::optional<Layout> try_pages(const ShapeSet& shapes, std::span<const PageSize> pages,
-                                const AtlasOptions& options, const Context& context) {
-    Layout layout(pages, shapes.size());
-    const bool has_room = options.packer == Packer::kAppendixA
-                              ? pack_appendix_a(shapes, layout, context)
-                              : pack_rows(shapes, layout, context);
-    if (!has_room) return std::nullopt;
-    return layout;
-}
+using Placements = std::vector<Placement>;
 
-Packing to_packing(const ShapeSet& shapes, const Layout& layout) {
-    Packing out;
-    out.pages = layout.pages;
-    out.placements.resize(layout.spots.size());
+Placements to_placements(const ShapeSet& shapes, const Layout& layout) {
+    Placements out(layout.spots.size());
     for (int rank = 0; rank < shapes.size(); ++rank) {
         const Spot& spot = layout.spot(rank);
-        out.placements[shapes[rank].shape] = {static_cast<Index>(spot.page), spot.x, spot.y,
-                                              is_mirrored_x(spot.pose), is_mirrored_y(spot.pose)};
+        out[shapes[rank].shape] = {static_cast<Index>(spot.page), spot.x, spot.y,
+                                   is_mirrored_x(spot.pose), is_mirrored_y(spot.pose)};
     }
-    out.num_needed = shapes.num_texels();
-    out.num_texels = num_texels(layout.pages);
     return out;
 }
+
+// Tries pages for one set of shapes.
+class Tries {
+ public:
+    Tries(std::span<const PatchShape> shapes, const AtlasOptions& options, const Context& context)
+        : shapes_(shapes), packer_(options.packer), context_(context) {
+        if (packer_ != Packer::kBitmap) set_.emplace(shapes);
+        for (const PatchShape& shape : shapes) {
+            num_needed_ += shape.num_texels();
+            smallest_.width = std::max(smallest_.width, shape.width());
+            smallest_.height = std::max(smallest_.height, shape.height());
+        }
+    }
+
+    std::int64_t num_needed() const { return num_needed_; }
+    /// That has room for each of the shapes.
+    PageSize smallest_page() const { return smallest_; }
+
+    std::optional<Packing> into(std::span<const PageSize> pages) const {
+        if (num_needed_ > num_texels(pages)) return std::nullopt;
+        std::optional<Placements> placements = place(pages);
+        if (!placements) return std::nullopt;
+        return Packing{
+            {pages.begin(), pages.end()}, std::move(*placements), num_needed_, num_texels(pages)};
+    }
+
+ private:
+    std::optional<Placements> place(std::span<const PageSize> pages) const {
+        if (packer_ == Packer::kBitmap) return pack_bitmap(shapes_, pages, context_);
+        Layout layout(pages, set_->size());
+        const bool has_room = packer_ == Packer::kAppendixA
+                                  ? pack_appendix_a(*set_, layout, context_)
+                                  : pack_rows(*set_, layout, context_);
+        if (!has_room) return std::nullopt;
+        return to_placements(*set_, layout);
+    }
+
+    std::span<const PatchShape> shapes_;
+    Packer packer_;
+    const Context& context_;
+    std::optional<ShapeSet> set_;
+    std::int64_t num_needed_ = 0;
+    PageSize smallest_;
+};
 
 }  // namespace
 
@@ -63,11 +96,7 @@ std::optional<Packing> pack_into(std::span<const PatchShape> shapes,
     }
     validate(shapes, largest);
     check_cancelled(context);
-    const ShapeSet set(shapes);
-    if (set.num_texels() > num_texels(pages)) return std::nullopt;
-    const std::optional<Layout> layout = try_pages(set, pages, options, context);
-    if (!layout) return std::nullopt;
-    return to_packing(set, *layout);
+    return Tries(shapes, options, context).into(pages);
 }
 
 Packing pack(std::span<const PatchShape> shapes, const AtlasOptions& options,
@@ -76,30 +105,29 @@ Packing pack(std::span<const PatchShape> shapes, const AtlasOptions& options,
     const int side = largest_side(options);
     validate(shapes, {side, side});
     check_cancelled(context);
-    const ShapeSet set(shapes);
-    if (set.size() == 0) return {};
-    const PageSize smallest{set.max_width(), set.max_height()};
+    if (shapes.empty()) return {};
+    const Tries tries(shapes, options, context);
     const auto pages_for = [&](double texels) {
-        return pages_that_hold(static_cast<std::int64_t>(std::ceil(texels)), smallest, options);
+        return pages_that_hold(static_cast<std::int64_t>(std::ceil(texels)), tries.smallest_page(),
+                               options);
     };
-    double too_few = static_cast<double>(set.num_texels());
+    auto too_few = static_cast<double>(tries.num_needed());
     double enough = too_few / kFirstFill;
-    std::optional<Layout> best;
-    while (!(best = try_pages(set, pages_for(enough), options, context))) {
+    std::optional<Packing> best;
+    while (!(best = tries.into(pages_for(enough)))) {
         too_few = enough;
         enough /= kFillStep;
     }
     for (int i = 0; i < kNumRefinements; ++i) {
         const double middle = 0.5 * (too_few + enough);
         const std::vector<PageSize> pages = pages_for(middle);
-        std::optional<Layout> layout;
-        if (num_texels(pages) != num_texels(best->pages))
-            layout = try_pages(set, pages, options, context);
-        if (layout) best = std::move(layout);
-        const bool fits = num_texels(pages) == num_texels(best->pages);
+        std::optional<Packing> packing;
+        if (num_texels(pages) != best->num_texels) packing = tries.into(pages);
+        if (packing) best = std::move(packing);
+        const bool fits = num_texels(pages) == best->num_texels;
         (fits ? enough : too_few) = middle;
     }
-    return to_packing(set, *best);
+    return std::move(*best);
 }
 
 }  // namespace pointbake

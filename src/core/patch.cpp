@@ -56,6 +56,7 @@ int PatchShape::width() const {
 std::int64_t PatchShape::num_texels() const {
     std::int64_t sum = 0;
     for (const Span& row : rows) sum += row.right - row.left + 1;
+    for (const Gap& gap : gaps) sum -= gap.span.right - gap.span.left + 1;
     return sum;
 }
 
@@ -78,6 +79,41 @@ NeedSet need_set(const std::array<Vec2d, 3>& corners) {
         const Interval row = clip_to_slab(corners, j - 1.0, j + 1.0);
         out.shape.rows.push_back(
             {first_texel(row.low) - out.offset_x, last_texel(row.high) - out.offset_x});
+    }
+    return out;
+}
+
+NeedSet need_set(std::span<const std::uint8_t> marked, int width) {
+    NeedSet out;
+    const auto w = static_cast<std::size_t>(width);
+    std::vector<std::span<const std::uint8_t>> rows;
+    for (std::size_t first = 0; first + w <= marked.size(); first += w) {
+        const auto row = marked.subspan(first, w);
+        if (std::any_of(row.begin(), row.end(), [](std::uint8_t m) { return m != 0; }))
+            rows.push_back(row);
+        else if (rows.empty())
+            ++out.offset_y;
+    }
+    out.offset_x = width;
+    for (const auto row : rows) {
+        const auto is_marked = [](std::uint8_t m) { return m != 0; };
+        const auto first = std::find_if(row.begin(), row.end(), is_marked);
+        const auto last = std::find_if(row.rbegin(), row.rend(), is_marked);
+        out.shape.rows.push_back({static_cast<int>(first - row.begin()),
+                                  width - 1 - static_cast<int>(last - row.rbegin())});
+        out.offset_x = std::min(out.offset_x, out.shape.rows.back().left);
+    }
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+        PatchShape::Span& span = out.shape.rows[j];
+        for (int i = span.left; i <= span.right; ++i) {
+            if (rows[j][static_cast<std::size_t>(i)] != 0) continue;
+            PatchShape::Gap gap{static_cast<int>(j), {i - out.offset_x, 0}};
+            while (rows[j][static_cast<std::size_t>(i)] == 0) ++i;
+            gap.span.right = i - 1 - out.offset_x;
+            out.shape.gaps.push_back(gap);
+        }
+        span.left -= out.offset_x;
+        span.right -= out.offset_x;
     }
     return out;
 }

@@ -109,28 +109,15 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, con
     return out;
 }
 
-void summarise_errors(const LevelErrors& levels, std::span<const std::uint8_t> chosen, double bound,
-                      TextureReport& report) {
-    std::vector<float> errors(chosen.size());
-    std::vector<double> areas(chosen.size());
-    for (std::size_t t = 0; t < chosen.size(); ++t) {
-        const LevelErrors::Patch& patch = levels.patches[t];
-        errors[t] = levels.error(t, chosen[t]);
-        areas[t] = patch.area;
-        if (static_cast<double>(errors[t]) <= bound) continue;
-        const std::uint8_t best = levels.first_within(t, bound);
-        if (levels.error(t, best) < errors[t] &&
-            levels.needed(t, best) > levels.needed(t, chosen[t])) {
-            ++report.capped.by_budget;
-        } else if (patch.cap == CapReason::kSize) {
-            ++report.capped.by_size;
-        } else if (patch.cap == CapReason::kCount) {
-            ++report.capped.by_count;
-        } else {
-            ++report.capped.by_spacing;
-        }
+CapCount LevelErrors::cap(std::size_t t) const {
+    switch (patches[t].cap) {
+        case CapReason::kSize:
+            return &CappedCounts::by_size;
+        case CapReason::kCount:
+            return &CappedCounts::by_count;
+        default:
+            return &CappedCounts::by_spacing;
     }
-    summarise_distribution(std::move(errors), areas, report);
 }
 
 void summarise_distribution(std::vector<float> errors, std::span<const double> areas,

@@ -13,6 +13,7 @@ namespace pointbake {
 double level_density(const TriangleFrame& frame, int level);
 
 enum class CapReason : std::uint8_t { kNone, kSpacing, kCount, kSize };
+using CapCount = Index CappedCounts::*;
 
 /// Per triangle the levels 0 .. n-1 that were measured, coarse to fine.
 class LevelErrors {
@@ -43,14 +44,12 @@ class LevelErrors {
     /// The level up to `last` where area * error^2 + price * needed is least.
     std::uint8_t cheapest(std::size_t t, std::uint8_t last, double price) const;
     double total_area() const;
+    /// What keeps a triangle from more levels.
+    CapCount cap(std::size_t t) const;
 };
 
 LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, const MapValues& map,
                            const TextureOptions& options, const Context& context);
-
-/// Fills in the error figures and the capped counts.
-void summarise_errors(const LevelErrors& levels, std::span<const std::uint8_t> chosen, double bound,
-                      TextureReport& report);
 
 /// The error figures alone, weighted by the triangles' areas; expects the capped counts.
 void summarise_distribution(std::vector<float> errors, std::span<const double> areas,

@@ -50,7 +50,7 @@ void RawErrors::measure(Index triangle, const PatchTexels& patch) {
     });
 }
 
-void RawErrors::summarise(BakedTexture& out) const {
+void RawErrors::summarise(TextureReport& out) const {
     std::vector<float> seen;
     double sum = 0.0;
     for (std::size_t i = 0; i < errors_.size(); ++i) {

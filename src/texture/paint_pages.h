@@ -29,7 +29,7 @@ class RawErrors {
     /// triangles may be measured at once.
     void measure(Index triangle, const std::function<Vec3f(Vec2f)>& read);
     void measure(Index triangle, const PatchTexels& patch);
-    void summarise(BakedTexture& out) const;
+    void summarise(TextureReport& out) const;
 
  private:
     PaintSource source_;

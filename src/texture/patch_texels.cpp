@@ -136,10 +136,10 @@ PatchLayout patch_layout(const TriangleFrame& frame, const std::array<Vec2d, 3>&
 }
 
 PatchTexels splat_patch(const LocalField& field, const MapValues& map, const PatchLayout& layout,
-                        TexelFilter filter) {
+                        NeedSet need, TexelFilter filter) {
     PatchTexels patch;
     patch.layout = layout;
-    patch.need = need_set(layout.corners);
+    patch.need = std::move(need);
     const int width = patch.width(), height = patch.need.shape.height();
     const auto num_texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     const bool averages = !map.linear.empty() && filter.linear_share > 0.0F;

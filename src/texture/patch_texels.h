@@ -1,6 +1,7 @@
 // One patch: where a triangle's corners lie among its texels, and what the texels hold.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "pointbake/patch.h"
@@ -18,6 +19,10 @@ struct PatchLayout {
     Vec2f column_x{}, column_y{};
 
     Vec2f texel_of(Vec2f x) const { return origin + column_x * x.x + column_y * x.y; }
+    /// Edge of a texel in cloud units.
+    double pitch() const {
+        return 1.0 / std::sqrt(std::fabs(static_cast<double>(cross(column_x, column_y))));
+    }
     /// Inverse of texel_of, where the columns span an area.
     Vec2f place_of(Vec2f texel) const {
         const Vec2f d = texel - origin;
@@ -38,6 +43,10 @@ struct PatchTexels {
     std::uint64_t num_uncovered = 0;
 
     int width() const { return need.shape.width(); }
+    Vec3f value(int x, int y) const {
+        return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) +
+                      static_cast<std::size_t>(x)];
+    }
     Texel texel(int x, int y) const {
         const auto i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) +
                             static_cast<std::size_t>(x));
@@ -51,10 +60,10 @@ struct TexelFilter {
     float linear_share = 0.0F;  ///< 0: texels interpolate codes; 1: they average linear light
 };
 
-/// Splats the gathered field into a patch of the given layout (EWA, [Zwicker01]). Texels that no
-/// splat reaches take the widened splats' value and are counted.
+/// Splats the gathered field into some texels of a patch of the given layout (EWA, [Zwicker01]).
+/// Texels that no splat reaches take the widened splats' value and are counted.
 PatchTexels splat_patch(const LocalField& field, const MapValues& map, const PatchLayout& layout,
-                        TexelFilter filter);
+                        NeedSet need, TexelFilter filter);
 
 /// What a renderer reads at texel coordinates u (integers are centres): bilinear over the decoded
 /// bytes, in linear light for colours. As a value.

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/adjacency.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "texture/chart_patches.h"
 #include "texture/given_layout.h"
-#include "texture/level_errors.h"
-#include "texture/paint_pages.h"
+#include "texture/page_painter.h"
 #include "texture/sharpen.h"
 #include "texture/visibility.h"
 
@@ -43,7 +44,8 @@ struct TextureBaker::Impl {
     SplatScene scene;
     std::vector<Vec3f> raw, linear;
     Sharpened sharpened;
-    LevelErrors levels;
+    LevelErrors levels;  // of triangles
+    std::optional<ChartPatches> charts;
 
     Impl(const Mesh& m, const PointCloud& c, std::span<const Index> owners, const TextureOptions& o,
          const Context& context)
@@ -71,13 +73,41 @@ struct TextureBaker::Impl {
         report_progress(context, "texture", 0.3);
         if (options.keep_uvs) return;
         levels = measure_levels(scene, cloud, source().map, options, context);
+        report_progress(context, "texture", 0.6);
+        if (options.atlas == AtlasKind::kCharts)
+            charts.emplace(mesh, neighbors, shell, levels, options.max_side,
+                           std::ldexp(1.0, options.mips), context);
         report_progress(context, "texture", 0.7);
+    }
+    std::size_t num_patches() const { return charts ? charts->size() : mesh.triangles.size(); }
+    std::uint8_t first_within(std::size_t patch, double bound) const {
+        return charts ? charts->first_within(static_cast<Index>(patch), bound)
+                      : levels.first_within(patch, bound);
+    }
+    std::uint8_t cheapest(std::size_t patch, std::uint8_t last, double price) const {
+        return charts ? charts->cheapest(static_cast<Index>(patch), last, price)
+                      : levels.cheapest(patch, last, price);
+    }
+    std::int64_t needed(std::size_t patch, std::uint8_t level) const {
+        return charts ? static_cast<std::int64_t>(charts->needed(static_cast<Index>(patch), level))
+                      : levels.needed(patch, level);
+    }
+    PatchLayout triangle_layout(Index t, std::uint8_t level) const {
+        const TriangleFrame& frame = shell.frame(t);
+        return patch_layout(frame, level_density(frame, level));
+    }
+    NeedSet need(std::size_t patch, std::uint8_t level) const {
+        const auto p = static_cast<Index>(patch);
+        return charts ? charts->need(p, level) : need_set(triangle_layout(p, level).corners);
     }
     /// What does not depend on sizes.
     void describe(TextureReport& report) const {
         report.sharpening_rounds = sharpened.rounds;
         for (const Footprint& f : prints.items) report.num_hidden_points += f.hidden ? 1 : 0;
     }
+    PageLayout page_layout(const TexturePlan& plan, std::span<const PageSize> pages,
+                           std::span<const Placement> placements) const;
+    CapCount why_capped(Index t, const TexturePlan& plan, double bound) const;
     PaintSource source() const { return {scene, cloud, {kind, sharpened.values, linear}, raw}; }
 };
 
@@ -95,22 +125,22 @@ TextureBaker::TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<
 
 TextureBaker::~TextureBaker() = default;
 
-TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed) const {
+TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed,
+                               const Context& context) const {
     if (impl_->options.keep_uvs)
         fail(ErrorCode::kInvalidOption, "keep-uvs: sizes of patches are not planned");
-    const LevelErrors& levels = impl_->levels;
-    const std::size_t num_triangles = impl_->mesh.triangles.size();
+    const std::size_t num_patches = impl_->num_patches();
     // Where each patch stops if texels cost nothing.
-    std::vector<std::uint8_t> last(num_triangles);
-    for (std::size_t t = 0; t < num_triangles; ++t) last[t] = levels.first_within(t, bound);
+    std::vector<std::uint8_t> last(num_patches);
+    for (std::size_t p = 0; p < num_patches; ++p) last[p] = impl_->first_within(p, bound);
 
     TexturePlan plan;
     const auto choose = [&](double price) {
         std::int64_t total = 0;
         plan.levels = last;
-        for (std::size_t t = 0; t < num_triangles; ++t) {
-            if (price > 0.0) plan.levels[t] = levels.cheapest(t, last[t], price);
-            total += levels.needed(t, plan.levels[t]);
+        for (std::size_t p = 0; p < num_patches; ++p) {
+            if (price > 0.0) plan.levels[p] = impl_->cheapest(p, last[p], price);
+            total += impl_->needed(p, plan.levels[p]);
         }
         return total;
     };
@@ -118,114 +148,128 @@ TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed) const {
     plan.all_at_cap = plan.num_needed <= max_needed;
     if (!plan.all_at_cap) {
         // The price of a texel, in squared error times area: the lowest one that keeps the budget.
-        double low = 1e-12 * levels.total_area(), high = 1e12 * levels.total_area();
+        const double area = impl_->levels.total_area();
+        double low = 1e-12 * area, high = 1e12 * area;
         for (int i = 0; i < kBisections; ++i) {
             const double middle = std::sqrt(low * high);
             (choose(middle) > max_needed ? low : high) = middle;
         }
         plan.num_needed = choose(high);
     }
-    plan.shapes.resize(num_triangles);
-    for (std::size_t t = 0; t < num_triangles; ++t) {
-        const TriangleFrame& frame = impl_->shell.frame(static_cast<Index>(t));
-        plan.shapes[t] =
-            need_set(patch_layout(frame, level_density(frame, plan.levels[t])).corners).shape;
-    }
+    plan.shapes.resize(num_patches);
+    parallel_for(context, num_patches, kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p)
+            plan.shapes[p] = impl_->need(p, plan.levels[p]).shape;
+    });
     return plan;
 }
 
 namespace {
 
-// Patch texel -> page texel under a placement.
-struct Pose {
-    const Placement& place;
-    int width, height;
-    int x(int i) const { return place.x + (place.mirror_x ? width - 1 - i : i); }
-    int y(int j) const { return place.y + (place.mirror_y ? height - 1 - j : j); }
-    Vec2f uv(Vec2d texel, const PageSize& page) const {
-        const double px = place.mirror_x ? width - 1 - texel.x : texel.x;
-        const double py = place.mirror_y ? height - 1 - texel.y : texel.y;
-        return {static_cast<float>((place.x + px + 0.5) / page.width),
-                static_cast<float>((place.y + py + 0.5) / page.height)};
+// Patch texels to page texels under a placement.
+class Pose {
+ public:
+    Pose(const Placement& place, const NeedSet& need)
+        : place_(place),
+          offset_{static_cast<double>(need.offset_x), static_cast<double>(need.offset_y)},
+          last_{static_cast<double>(need.shape.width() - 1),
+                static_cast<double>(need.shape.height() - 1)} {}
+    Vec2d place(Vec2d texel) const {
+        Vec2d p = texel - offset_;
+        if (place_.mirror_x) p.x = last_.x - p.x;
+        if (place_.mirror_y) p.y = last_.y - p.y;
+        if (place_.transposed) std::swap(p.x, p.y);
+        return p + Vec2d{static_cast<double>(place_.x), static_cast<double>(place_.y)};
     }
-};
+    PatchLayout place(PatchLayout layout) const {
+        for (Vec2d& corner : layout.corners) corner = place(corner);
+        layout.origin = vec_cast<float>(place(vec_cast<double>(layout.origin)));
+        layout.column_x = turn(layout.column_x);
+        layout.column_y = turn(layout.column_y);
+        return layout;
+    }
 
-void copy_to_page(const PatchTexels& patch, const Pose& pose, Image& page,
-                  std::vector<std::uint8_t>& owned) {
-    for (int row = 0; row < patch.need.shape.height(); ++row) {
-        const PatchShape::Span span = patch.need.shape.rows[static_cast<std::size_t>(row)];
-        for (int i = span.left; i <= span.right; ++i) {
-            const Texel texel = patch.texel(i, row);
-            const auto at =
-                static_cast<std::size_t>(pose.y(row)) * static_cast<std::size_t>(page.width) +
-                static_cast<std::size_t>(pose.x(i));
-            std::copy(texel.begin(), texel.end(),
-                      page.pixels.begin() + static_cast<std::ptrdiff_t>(3 * at));
-            owned[at] = 1;
-        }
+ private:
+    Vec2f turn(Vec2f d) const {
+        if (place_.mirror_x) d.x = -d.x;
+        if (place_.mirror_y) d.y = -d.y;
+        if (place_.transposed) std::swap(d.x, d.y);
+        return d;
     }
-}
+
+    const Placement& place_;
+    Vec2d offset_, last_;
+};
 
 }  // namespace
 
-BakedTexture TextureBaker::bake(const TexturePlan& plan, std::span<const PageSize> pages,
+PageLayout TextureBaker::Impl::page_layout(const TexturePlan& plan, std::span<const PageSize> pages,
+                                           std::span<const Placement> placements) const {
+    PageLayout out;
+    out.pages.assign(pages.begin(), pages.end());
+    out.has_mips = charts.has_value();
+    if (charts) out.gutter = charts->gutter();
+    std::vector<Pose> poses;
+    for (std::size_t p = 0; p < num_patches(); ++p)
+        poses.emplace_back(placements[p], need(p, plan.levels[p]));
+    for (Index t = 0; t < mesh.triangles.size(); ++t) {
+        const Index patch = charts ? charts->charts().of_triangle[t] : t;
+        const std::uint8_t level = plan.levels[patch];
+        out.triangle_pages.push_back(placements[patch].page);
+        if (!charts) {
+            out.triangles.push_back(poses[patch].place(triangle_layout(t, level)));
+            continue;
+        }
+        std::array<Vec2d, 3> corners = charts->corners(t, level);
+        for (Vec2d& corner : corners) corner = poses[patch].place(corner);
+        const bool has_area = shell.frame(t).area() > 0.0 &&
+                              cross(corners[1] - corners[0], corners[2] - corners[0]) != 0.0;
+        out.triangles.push_back(has_area ? patch_layout(shell.frame(t), corners)
+                                         : PatchLayout{.corners = corners});
+    }
+    return out;
+}
+
+CapCount TextureBaker::Impl::why_capped(Index t, const TexturePlan& plan, double bound) const {
+    const std::size_t patch = charts ? charts->charts().of_triangle[t] : t;
+    const std::uint8_t chosen = plan.levels[patch], wanted = first_within(patch, bound);
+    if (needed(patch, wanted) > needed(patch, chosen)) return &CappedCounts::by_budget;
+    const std::uint8_t own = levels.first_within(t, bound);
+    if (static_cast<double>(levels.error(t, own)) > bound) return levels.cap(t);
+    return charts && charts->is_cut_by_size(static_cast<Index>(patch)) ? &CappedCounts::by_size
+                                                                       : &CappedCounts::by_layout;
+}
+
+BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
+                                std::span<const PageSize> pages,
                                 std::span<const Placement> placements,
                                 const Context& context) const {
-    const Impl& impl = *impl_;
-    const PaintSource source = impl.source();
-    BakedTexture out = empty_pages(source, pages);
-    RawErrors raw(source);
-    const auto bake_range = [&](std::size_t begin, std::size_t end) {
-        TriangleGauge gauge(source.scene, source.cloud, source.map);
-        std::uint64_t num_uncovered = 0;
-        for (std::size_t t = begin; t < end; ++t) {
-            const auto triangle = static_cast<Index>(t);
-            const TriangleFrame& frame = impl.shell.frame(triangle);
-            gauge.look_at(triangle);
-            PatchTexels patch =
-                gauge.texels(patch_layout(frame, level_density(frame, plan.levels[t])));
-            num_uncovered += patch.num_uncovered;
-            raw.measure(triangle, patch);
-            const Placement& place = placements[t];
-            settle_tangent(source, triangle, place, patch, out.model);
-            const Pose pose{place, patch.width(), patch.need.shape.height()};
-            copy_to_page(patch, pose, out.model.images[place.page], out.owned[place.page]);
-            out.model.triangle_materials[t] = place.page;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const Vec2d local =
-                    patch.layout.corners[k] - Vec2d{static_cast<double>(patch.need.offset_x),
-                                                    static_cast<double>(patch.need.offset_y)};
-                out.model.mesh.uvs[t][k] = pose.uv(local, pages[place.page]);
-            }
+    const PaintSource source = impl_->source();
+    const PageLayout layout = impl_->page_layout(plan, pages, placements);
+    PagePainter painter(source, layout, context);
+    painter.find_owners();
+    painter.paint();
+    painter.fit();
+    painter.measure(bound,
+                    [&](Index t, TriangleGauge&) { return impl_->why_capped(t, plan, bound); });
+    BakedTexture out = painter.take();
+    for (Index t = 0; t < layout.triangles.size(); ++t) {
+        const PageSize page = pages[layout.triangle_pages[t]];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec2d c = layout.triangles[t].corners[k];
+            out.model.mesh.uvs[t][k] = {static_cast<float>((c.x + 0.5) / page.width),
+                                        static_cast<float>((c.y + 0.5) / page.height)};
         }
-        return num_uncovered;
-    };
-    out.num_uncovered = parallel_reduce(context, impl.mesh.triangles.size(), kGrain,
-                                        std::uint64_t{0}, bake_range, std::plus<>());
-    raw.summarise(out);
+    }
+    impl_->describe(out.report);
+    out.report.num_patches = plan.levels.size();
     return out;
 }
 
 GivenBake TextureBaker::bake_given(const GivenLayout& layout, const GivenLimits& limits,
                                    const Context& context) const {
     GivenBake out = paint_given(impl_->source(), layout, limits, context);
-    impl_->describe(out.report);
-    return out;
-}
-
-TextureReport TextureBaker::report(const TexturePlan& plan, double bound) const {
-    const Impl& impl = *impl_;
-    TextureReport out;
-    out.bound = bound;
-    impl.describe(out);
-    out.num_patches = plan.levels.size();
-    out.num_needed_texels = static_cast<std::uint64_t>(plan.num_needed);
-    summarise_errors(impl.levels, plan.levels, bound, out);
-    for (std::size_t t = 0; t < plan.levels.size(); ++t) {
-        const TriangleFrame& frame = impl.shell.frame(static_cast<Index>(t));
-        const PatchLayout layout = patch_layout(frame, level_density(frame, plan.levels[t]));
-        out.payload_texels += 0.5 * layout.base * layout.height;
-    }
+    impl_->describe(out.texture.report);
     return out;
 }
 

@@ -15,12 +15,13 @@ constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle
 
 }  // namespace
 
-void TriangleGauge::look_at(Index triangle) {
+void TriangleGauge::look_at(Index triangle, double border) {
     triangle_ = triangle;
     spacing_ = mean_spacing();
     min_pitch_ = find_min_pitch();
     probes_.clear();
-    field_.gather(triangle, kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle]));
+    field_.gather(triangle,
+                  border + kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle]));
 }
 
 double TriangleGauge::mean_spacing() const {
@@ -56,9 +57,11 @@ TexelFilter TriangleGauge::filter(double pitch) const {
 }
 
 PatchTexels TriangleGauge::texels(const PatchLayout& layout) const {
-    const double texels_per_area =
-        std::fabs(static_cast<double>(cross(layout.column_x, layout.column_y)));
-    return splat_patch(field_, map_, layout, filter(1.0 / std::sqrt(texels_per_area)));
+    return texels(layout, need_set(layout.corners));
+}
+
+PatchTexels TriangleGauge::texels(const PatchLayout& layout, NeedSet need) const {
+    return splat_patch(field_, map_, layout, std::move(need), filter(layout.pitch()));
 }
 
 void TriangleGauge::place_probes() {

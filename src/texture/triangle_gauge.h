@@ -20,19 +20,23 @@ class TriangleGauge {
                   bool is_paper = false)
         : scene_(scene), cloud_(cloud), map_(map), is_paper_(is_paper), field_(scene) {}
 
-    /// Gathers the triangle's splats.
-    void look_at(Index triangle);
+    /// Gathers the splats that reach the triangle grown by `border` (cloud units).
+    void look_at(Index triangle, double border = 0.0);
     /// Chooses the places where errors are measured: the triangle's points and its border. Without,
     /// no error is known.
     void place_probes();
 
+    /// The triangle's need set, or some texels around it.
     PatchTexels texels(const PatchLayout& layout) const;
+    PatchTexels texels(const PatchLayout& layout, NeedSet need) const;
     /// RMS over the probes against the splatted function, in 8-bit steps (--paper: eq. (1)), of
     /// what `read` finds at places in the triangle's plane.
     float error(const std::function<Vec3f(Vec2f)>& read) const;
     float error(const PatchTexels& texels) const;
     /// Finest pitch that the triangle's points support, cloud units: [Wicke05] eq. (2).
     double min_pitch() const { return min_pitch_; }
+    /// Of the points around.
+    double spacing() const { return spacing_; }
 
  private:
     struct Probe {

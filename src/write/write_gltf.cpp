@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
-constexpr int kLinear = 9729, kClampToEdge = 33071, kRepeat = 10497;
+constexpr int kLinear = 9729, kLinearMipmapLinear = 9987, kClampToEdge = 33071, kRepeat = 10497;
 constexpr std::size_t kMaxShortIndex = 65534;  // 65535 restarts primitives
 constexpr std::uint64_t kMaxGlbBytes = ~std::uint32_t{0};
 constexpr std::uint64_t kGlbHeaderBytes = 12, kChunkHeaderBytes = 8;
@@ -90,7 +90,7 @@ class GltfWriter {
     Json nodes() const;
     Json material(Index index) const;
     Json texture_info(int image) const;
-    int wrap_of(std::size_t texture) const;
+    Json sampler_of(std::size_t texture) const;
     Json samplers(std::vector<std::size_t>& of_texture) const;
     Json primitive(const MeshPart& part, std::size_t material_index);
     Json position_accessor(const MeshPart& part) const;
@@ -217,25 +217,24 @@ Json GltfWriter::material(Index index) const {
     return json;
 }
 
-int GltfWriter::wrap_of(std::size_t texture) const {
-    const auto image = static_cast<std::size_t>(used_images_[texture]);
-    return model_.images[image].repeats ? kRepeat : kClampToEdge;
+Json GltfWriter::sampler_of(std::size_t texture) const {
+    const Image& image = model_.images[static_cast<std::size_t>(used_images_[texture])];
+    const int wrap = image.repeats ? kRepeat : kClampToEdge;
+    return {{"magFilter", kLinear},
+            {"minFilter", image.has_mips ? kLinearMipmapLinear : kLinear},
+            {"wrapS", wrap},
+            {"wrapT", wrap}};
 }
 
-/// One for each way of wrapping that is in use. Without a sampler textures repeat, and mip levels
+/// One for each way of sampling that is in use. Without a sampler textures repeat, and mip levels
 /// made by the viewer mix patches.
 Json GltfWriter::samplers(std::vector<std::size_t>& of_texture) const {
     Json json = Json::array();
-    std::vector<int> wraps;
     for (std::size_t i = 0; i < used_images_.size(); ++i) {
-        const auto known = std::find(wraps.begin(), wraps.end(), wrap_of(i));
-        of_texture.push_back(static_cast<std::size_t>(known - wraps.begin()));
-        if (known != wraps.end()) continue;
-        wraps.push_back(wrap_of(i));
-        json.push_back({{"magFilter", kLinear},
-                        {"minFilter", kLinear},
-                        {"wrapS", wraps.back()},
-                        {"wrapT", wraps.back()}});
+        const Json sampler = sampler_of(i);
+        const auto known = std::find(json.begin(), json.end(), sampler);
+        of_texture.push_back(static_cast<std::size_t>(known - json.begin()));
+        if (known == json.end()) json.push_back(sampler);
     }
     return json;
 }

@@ -45,29 +45,29 @@ TEST(GivenLayout, KeepsTheTextureCoordinatesOnTheFirstPagesWithinTheBound) {
     const GivenBake out = bake(p, kOnePage, limits(0.7, {64, 96, 128, 192, 256}));
     EXPECT_EQ(out.texture.model.mesh.uvs, p.mesh.uvs);
     EXPECT_EQ(out.texture.model.materials.at(0).name, "paint");
-    EXPECT_TRUE(out.report.bound_met);
-    EXPECT_LE(out.report.error_max, 0.7);
+    EXPECT_TRUE(out.texture.report.bound_met);
+    EXPECT_LE(out.texture.report.error_max, 0.7);
     EXPECT_LT(rms_against(out.texture.model, wave), 1.0);
     EXPECT_EQ(out.num_shared_texels, 0U);
-    EXPECT_LE(out.report.payload_texels, 0.65 * static_cast<double>(num_texels(out.pages)));
+    EXPECT_LE(out.texture.report.payload_texels, 0.65 * static_cast<double>(num_texels(out.pages)));
     const int side = out.pages.at(0).width;
     ASSERT_GT(side, 64);
-    EXPECT_FALSE(bake(p, kOnePage, limits(0.7, {side - 32})).report.bound_met);
+    EXPECT_FALSE(bake(p, kOnePage, limits(0.7, {side - 32})).texture.report.bound_met);
 }
 
 TEST(GivenLayout, TheLastPagesCapWhatWantsMore) {
     const Painted p = laid_out_square();
     GivenLimits small = limits(0.4, {32});
-    EXPECT_EQ(bake(p, kOnePage, small).report.capped.by_size, 2U);
+    EXPECT_EQ(bake(p, kOnePage, small).texture.report.capped.by_size, 2U);
     small.ends_with_budget = true;
-    EXPECT_EQ(bake(p, kOnePage, small).report.capped.by_budget, 2U);
-    EXPECT_EQ(bake(p, kOnePage, limits(0.01, {64, 1024})).report.capped.by_spacing, 2U);
+    EXPECT_EQ(bake(p, kOnePage, small).texture.report.capped.by_budget, 2U);
+    EXPECT_EQ(bake(p, kOnePage, limits(0.01, {64, 1024})).texture.report.capped.by_spacing, 2U);
     // Rounding alone is more than the bound: larger pages are not tried.
     Painted even = painted_square(80, [](double, double) { return Vec3d{0.2013, 0.2013, 0.2013}; });
     even.mesh.uvs = p.mesh.uvs;
     const GivenBake out = bake(even, kOnePage, limits(0.01, {64, 128}));
     EXPECT_EQ(out.pages.at(0).width, 64);
-    EXPECT_EQ(out.report.capped.by_spacing, 2U);
+    EXPECT_EQ(out.texture.report.capped.by_spacing, 2U);
 }
 
 TEST(GivenLayout, ATriangleThatShowsAnothersTexelsMissesItsBound) {
@@ -75,9 +75,9 @@ TEST(GivenLayout, ATriangleThatShowsAnothersTexelsMissesItsBound) {
     p.mesh.uvs[1] = {p.mesh.uvs[0][0], p.mesh.uvs[0][2], p.mesh.uvs[0][1]};
     const GivenBake out = bake(p, kOnePage, limits(4.0, {128}));
     EXPECT_GT(out.num_shared_texels, 1000U);
-    EXPECT_EQ(out.report.capped.by_layout, 1U);
-    EXPECT_GT(out.report.error_max, 20.0);
-    EXPECT_GT(out.texture.raw_rms, 10.0);
+    EXPECT_EQ(out.texture.report.capped.by_layout, 1U);
+    EXPECT_GT(out.texture.report.error_max, 20.0);
+    EXPECT_GT(out.texture.report.raw_rms, 10.0);
 }
 
 TEST(GivenLayout, ATriangleWithoutAreaIsCountedAndTakesNoTexels) {
@@ -85,7 +85,7 @@ TEST(GivenLayout, ATriangleWithoutAreaIsCountedAndTakesNoTexels) {
     p.mesh.uvs[1] = {p.mesh.uvs[0][0], p.mesh.uvs[0][0], p.mesh.uvs[0][0]};
     const GivenBake out = bake(p, kOnePage, limits(4.0, {128}));
     EXPECT_EQ(out.num_without_area, 1U);
-    EXPECT_EQ(out.report.capped.by_layout, 1U);
+    EXPECT_EQ(out.texture.report.capped.by_layout, 1U);
     p.mesh.uvs[0] = p.mesh.uvs[1];
     EXPECT_THROW(bake(p, kOnePage, limits(4.0, {128})), Error);
 }
@@ -93,7 +93,7 @@ TEST(GivenLayout, ATriangleWithoutAreaIsCountedAndTakesNoTexels) {
 TEST(GivenLayout, PagesRepeatWhereTheLayoutLeavesThem) {
     const Painted p = laid_out_square(0.6, 1.4);
     const GivenBake out = bake(p, kOnePage, limits(2.0, {128}));
-    EXPECT_TRUE(out.report.bound_met);
+    EXPECT_TRUE(out.texture.report.bound_met);
     EXPECT_EQ(out.num_shared_texels, 0U);
     EXPECT_TRUE(out.texture.model.images.at(0).repeats);
     // What lies at (1.2, 1.2) is read at (0.2, 0.2).
@@ -116,7 +116,7 @@ TEST(GivenLayout, APatternThatCoversItsPageManyTimesShowsWhatCameFirst) {
     const Vec3d first = wave(40.5 / 64 / 3, 20.5 / 64 / 3) * 255.0;
     EXPECT_NEAR(texel[0], first.x, 4.0);
     EXPECT_NEAR(texel[1], first.y, 4.0);
-    EXPECT_EQ(out.report.capped.by_layout, 2U);
+    EXPECT_EQ(out.texture.report.capped.by_layout, 2U);
     EXPECT_THROW(bake(laid_out_square(0.0, 15.0), kOnePage, limits(4.0, {1024})), Error);
 }
 

@@ -44,16 +44,22 @@ inline Vec3d wave(double x, double y) {
             0.5 + 0.2 * std::sin(8.0 * (x + y))};
 }
 
-/// Bakes a plan into one page per triangle, without packing.
+inline const TextureOptions kTriangles = [] {
+    TextureOptions options;
+    options.atlas = AtlasKind::kTriangles;
+    return options;
+}();
+
+/// Bakes a plan into one page per patch, without packing.
 inline BakedTexture bake_apart(const TextureBaker& baker, const TexturePlan& plan,
-                               const Context& context = {}) {
+                               double bound = HUGE_VAL, const Context& context = {}) {
     std::vector<PageSize> pages;
     std::vector<Placement> places;
     for (const PatchShape& shape : plan.shapes) {
         places.push_back({static_cast<Index>(pages.size()), 0, 0, false, false});
         pages.push_back({shape.width(), shape.height()});
     }
-    return baker.bake(plan, pages, places, context);
+    return baker.bake(plan, bound, pages, places, context);
 }
 
 /// The colour of the model at barycentrics of a triangle: a bilinear lookup in linear light, as

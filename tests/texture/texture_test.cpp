@@ -17,7 +17,7 @@ constexpr std::int64_t kNoBudget = std::numeric_limits<std::int64_t>::max();
 
 TEST(Texture, ConstantColourCostsOneTexelPerTriangleAndIsExact) {
     const Painted p = painted_square(40, [](double, double) { return Vec3d{0.2, 0.4, 0.8}; });
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const TexturePlan plan = baker.plan(4.0, kNoBudget);
     EXPECT_EQ(plan.num_needed, 2);
     const BakedTexture baked = bake_apart(baker, plan);
@@ -30,7 +30,7 @@ TEST(Texture, ConstantColourCostsOneTexelPerTriangleAndIsExact) {
 TEST(Texture, LinearRampStaysSmall) {
     const auto ramp = [](double x, double y) { return Vec3d{0.4 + 0.1 * x, 0.4 + 0.1 * y, 0.45}; };
     const Painted p = painted_square(50, ramp);
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const TexturePlan plan = baker.plan(1.0, kNoBudget);
     EXPECT_LT(plan.num_needed, 200);
     EXPECT_LT(rms_against(bake_apart(baker, plan).model, ramp), 1.5);
@@ -38,9 +38,9 @@ TEST(Texture, LinearRampStaysSmall) {
 
 TEST(Texture, MeetsItsBoundAgainstTheTruth) {
     const Painted p = painted_square(80, wave);
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const TexturePlan plan = baker.plan(2.0, kNoBudget);
-    const TextureReport report = baker.report(plan, 2.0);
+    const TextureReport report = bake_apart(baker, plan, 2.0).report;
     EXPECT_TRUE(report.bound_met);
     EXPECT_LE(report.error_max, 2.0);
     EXPECT_LT(rms_against(bake_apart(baker, plan).model, wave), 2.5);
@@ -52,7 +52,7 @@ TEST(Texture, FlatTrianglesCostNextToNothingBesideLettering) {
         const bool is_stroke = y > x + 0.15 && std::sin(60.0 * x) * std::sin(60.0 * y) > 0.0;
         return is_stroke ? Vec3d{0.05, 0.05, 0.05} : Vec3d{0.2, 0.5, 0.9};
     });
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const TexturePlan plan = baker.plan(4.0, kNoBudget);
     EXPECT_LE(plan.shapes[0].num_texels(), 8);
     EXPECT_GE(plan.shapes[1].num_texels(), 200);
@@ -63,7 +63,7 @@ TEST(Texture, CoarseTexelsAverageLinearLight) {
         const double v = (static_cast<int>(x * 80) + static_cast<int>(y * 80)) % 2;
         return Vec3d{v, v, v};
     });
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const TexturePlan plan = baker.plan(HUGE_VAL, 2);
     ASSERT_EQ(plan.num_needed, 2);
     // Half the light; half the code would be 128.
@@ -78,7 +78,7 @@ TEST(Texture, WhatIsWhiterThanWhiteCountsAsWhite) {
 TEST(Texture, FineTexelsInterpolateCodes) {
     const Painted p = painted_square(
         16, [](double x, double) { return x < 0.5 ? Vec3d{0, 0, 0} : Vec3d{1, 1, 1}; });
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const BakedTexture baked = bake_apart(baker, baker.plan(1.0, kNoBudget));
     // Midway between the last black points and the first white ones; in linear light it is 188.
     EXPECT_NEAR(color_at(baked.model, 0, {0.5, 0.25, 0.25}).x, 127.5, 15.0);
@@ -91,13 +91,13 @@ TEST(Texture, SharpeningBringsBackWhatSplattingSmooths) {
         return Vec3d{c, c, c};
     };
     const Painted p = painted_square(64, fine);
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     EXPECT_LT(rms_against(bake_apart(baker, baker.plan(1.0, kNoBudget)).model, fine), 5.0);
 }
 
 TEST(Texture, TighterBoundNeverNeedsFewerTexels) {
     const Painted p = painted_square(60, wave);
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     std::int64_t before = 0;
     for (double bound : {16.0, 8.0, 4.0, 2.0, 1.0}) {
         const std::int64_t needed = baker.plan(bound, kNoBudget).num_needed;
@@ -108,7 +108,7 @@ TEST(Texture, TighterBoundNeverNeedsFewerTexels) {
 
 TEST(Texture, NeverNeedsMoreThanTheBudget) {
     const Painted p = painted_square(80, wave);
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     for (std::int64_t budget : {50, 200, 1000, 4000}) {
         EXPECT_LE(baker.plan(HUGE_VAL, budget).num_needed, budget);
     }
@@ -116,7 +116,7 @@ TEST(Texture, NeverNeedsMoreThanTheBudget) {
 
 TEST(Texture, BothSidesOfAnEdgeShowTheSameColour) {
     const Painted p = painted_square(80, wave);
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const TexturedMesh model = bake_apart(baker, baker.plan(1.0, kNoBudget)).model;
     for (double s = 0.05; s < 1.0; s += 0.1) {
         const Vec3d a = color_at(model, 0, {1 - s, 0.0, s}),
@@ -127,13 +127,13 @@ TEST(Texture, BothSidesOfAnEdgeShowTheSameColour) {
 
 TEST(Texture, ScalingTheModelChangesNothing) {
     Painted p = painted_square(40, wave);
-    const TextureBaker small(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker small(p.mesh, p.cloud, p.owners, kTriangles, {});
     const BakedTexture a = bake_apart(small, small.plan(3.0, kNoBudget));
     Painted q = p;
     for (Vec3d& x : q.mesh.positions) x = x * 1024.0;
     for (Vec3d& x : q.cloud.positions) x = x * 1024.0;
     for (float& x : q.cloud.areas) x *= 1024.0F * 1024.0F;
-    const TextureBaker large(q.mesh, q.cloud, q.owners, {}, {});
+    const TextureBaker large(q.mesh, q.cloud, q.owners, kTriangles, {});
     const BakedTexture b = bake_apart(large, large.plan(3.0, kNoBudget));
     ASSERT_EQ(a.model.images.size(), b.model.images.size());
     for (std::size_t i = 0; i < a.model.images.size(); ++i)
@@ -143,10 +143,10 @@ TEST(Texture, ScalingTheModelChangesNothing) {
 TEST(Texture, SameBytesForAnyNumberOfThreads) {
     const Painted p = painted_square(60, wave);
     const Context one{.threads = 1}, seven{.threads = 7};
-    const TextureBaker a(p.mesh, p.cloud, p.owners, {}, one),
-        b(p.mesh, p.cloud, p.owners, {}, seven);
-    const BakedTexture x = bake_apart(a, a.plan(2.0, kNoBudget), one),
-                       y = bake_apart(b, b.plan(2.0, kNoBudget), seven);
+    const TextureBaker a(p.mesh, p.cloud, p.owners, kTriangles, one),
+        b(p.mesh, p.cloud, p.owners, kTriangles, seven);
+    const BakedTexture x = bake_apart(a, a.plan(2.0, kNoBudget), 2.0, one),
+                       y = bake_apart(b, b.plan(2.0, kNoBudget), 2.0, seven);
     for (std::size_t i = 0; i < x.model.images.size(); ++i)
         EXPECT_EQ(x.model.images[i].pixels, y.model.images[i].pixels);
 }
@@ -156,7 +156,7 @@ TEST(Texture, TrianglesWithoutPointsTakeTheColourAround) {
     for (std::size_t i = 0; i < p.owners.size(); ++i) {
         if (p.owners[i] == 1) p.owners[i] = kInvalidIndex;
     }
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
     EXPECT_NEAR(color_at(baked.model, 1, {0.2, 0.2, 0.6}).x, 0.9 * 255, 1.0);
 }
@@ -191,7 +191,7 @@ TEST(Texture, SurfaceThatUnfoldsBackOverATriangleDoesNotColourIt) {
             }
         }
     }
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
     for (Vec3d b : {Vec3d{0.2, 0.4, 0.4}, Vec3d{0.5, 0.5, 0.0}, Vec3d{0.5, 0.0, 0.5}})
         EXPECT_EQ(color_at(baked.model, 0, b).x, 0.0);
@@ -201,7 +201,7 @@ TEST(Texture, SurfaceThatUnfoldsBackOverATriangleDoesNotColourIt) {
 TEST(Texture, NormalMapOfAFlatSquareIsFlat) {
     Painted p = painted_square(30, [](double, double) { return Vec3d{}; });
     p.cloud.colors.clear();
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const BakedTexture baked = bake_apart(baker, baker.plan(4.0, kNoBudget));
     const Image& page = baked.model.images[0];
     EXPECT_NEAR(page.pixels[0], 128, 1);
@@ -215,13 +215,13 @@ TEST(Texture, CancelsWhenAsked) {
     source.request_stop();
     Context context;
     context.stop = source.get_token();
-    EXPECT_THROW(TextureBaker(p.mesh, p.cloud, p.owners, {}, context), Error);
+    EXPECT_THROW(TextureBaker(p.mesh, p.cloud, p.owners, kTriangles, context), Error);
 }
 
 TEST(Texture, CloudWithoutAreasIsRefused) {
     Painted p = painted_square(10, wave);
     p.cloud.areas.clear();
-    EXPECT_THROW(TextureBaker(p.mesh, p.cloud, p.owners, {}, {}), Error);
+    EXPECT_THROW(TextureBaker(p.mesh, p.cloud, p.owners, kTriangles, {}), Error);
 }
 
 }  // namespace

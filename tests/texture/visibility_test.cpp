@@ -51,7 +51,7 @@ std::size_t num_hidden(const Painted& p) {
 TEST(Visibility, LayerBelowIsNotSeen) {
     const Painted p = with_layer_below(4.0);
     EXPECT_EQ(num_hidden(p), p.cloud.size() / 2);
-    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     const BakedTexture baked =
         bake_apart(baker, baker.plan(4.0, std::numeric_limits<std::int64_t>::max()));
     const Vec3d c = color_at(baked.model, 0, {0.3, 0.3, 0.4});

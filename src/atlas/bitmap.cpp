@@ -1,0 +1,252 @@
+#include "atlas/bitmap.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <map>
+#include <numeric>
+
+#include "core/parallel.h"
+
+namespace pointbake {
+namespace {
+
+using Word = std::uint64_t;
+constexpr int kWordBits = 64;
+constexpr int kNumPoses = 8;  // two directions, mirrored or not in both axes
+
+// A run of texels in one row of a posed shape.
+struct Run {
+    int row, left, length;
+};
+
+struct Posed {
+    int width = 0, height = 0;
+    std::vector<Run> runs;  // by row
+};
+
+std::vector<Run> runs_of(const PatchShape& shape) {
+    std::vector<Run> out;
+    auto gap = shape.gaps.begin();
+    for (int row = 0; row < shape.height(); ++row) {
+        const PatchShape::Span span = shape.rows[static_cast<std::size_t>(row)];
+        int left = span.left;
+        for (; gap != shape.gaps.end() && gap->row == row; ++gap) {
+            out.push_back({row, left, gap->span.left - left});
+            left = gap->span.right + 1;
+        }
+        out.push_back({row, left, span.right + 1 - left});
+    }
+    return out;
+}
+
+// Rows become columns.
+Posed transposed(const Posed& from) {
+    Posed out{from.height, from.width, {}};
+    std::vector<std::vector<Run>> columns(static_cast<std::size_t>(from.width));
+    for (const Run& run : from.runs)
+        for (int x = run.left; x < run.left + run.length; ++x) {
+            std::vector<Run>& column = columns[static_cast<std::size_t>(x)];
+            if (!column.empty() && column.back().left + column.back().length == run.row)
+                ++column.back().length;
+            else
+                column.push_back({x, run.row, 1});
+        }
+    for (const std::vector<Run>& column : columns)
+        out.runs.insert(out.runs.end(), column.begin(), column.end());
+    return out;
+}
+
+Posed mirrored(const Posed& from, bool x, bool y) {
+    Posed out = from;
+    for (Run& run : out.runs) {
+        if (x) run.left = out.width - run.left - run.length;
+        if (y) run.row = out.height - 1 - run.row;
+    }
+    return out;
+}
+
+/// Which texels of a page are free, a bit each.
+class FreeBits {
+ public:
+    explicit FreeBits(PageSize page)
+        : width_(page.width),
+          height_(page.height),
+          num_words_((page.width + kWordBits - 1) / kWordBits),
+          bits_(static_cast<std::size_t>(num_words_) * static_cast<std::size_t>(page.height),
+                ~Word{0}),
+          longest_(static_cast<std::size_t>(page.height), page.width) {
+        for (int y = 0; y < height_; ++y)
+            for (int x = width_; x < num_words_ * kWordBits; ++x) clear(x, y);
+    }
+
+    int height() const { return height_; }
+    int num_words() const { return num_words_; }
+
+    /// The leftmost x at which the shape fits with its first row at y, or -1.
+    int leftmost(const Posed& shape, int y) {
+        if (shape.width > width_) return -1;
+        for (const Run& run : shape.runs)
+            if (longest_[static_cast<std::size_t>(y + run.row)] < run.length) return -1;
+        fits_.assign(static_cast<std::size_t>(num_words_), ~Word{0});
+        for (const Run& run : shape.runs) {
+            const Word* row = &bits_[index(y + run.row)];
+            // Where `length` free texels begin.
+            erode(row, run.length);
+            // The shape begins `left` texels before its run does.
+            Word any = 0;
+            const int words = run.left / kWordBits, bits = run.left % kWordBits;
+            for (int i = 0; i < num_words_; ++i) {
+                const Word low = word(i + words), high = word(i + words + 1);
+                fits_[static_cast<std::size_t>(i)] &=
+                    bits == 0 ? low : (low >> bits) | (high << (kWordBits - bits));
+                any |= fits_[static_cast<std::size_t>(i)];
+            }
+            if (any == 0) return -1;
+        }
+        for (int i = 0; i < num_words_; ++i)
+            if (const Word w = fits_[static_cast<std::size_t>(i)])
+                return i * kWordBits + std::countr_zero(w);
+        return -1;
+    }
+
+    void occupy(const Posed& shape, int x, int y) {
+        for (const Run& run : shape.runs)
+            for (int i = 0; i < run.length; ++i) clear(x + run.left + i, y + run.row);
+        for (int row = y; row < y + shape.height; ++row)
+            longest_[static_cast<std::size_t>(row)] = longest_run(row);
+    }
+
+ private:
+    int longest_run(int y) const {
+        int longest = 0, run = 0;
+        for (int i = 0; i < num_words_; ++i) {
+            Word w = bits_[index(y) + static_cast<std::size_t>(i)];
+            for (int left = kWordBits; left > 0;) {
+                const int zeros = std::min(std::countr_zero(w), left);
+                if (zeros > 0) run = 0, w = zeros < kWordBits ? w >> zeros : 0, left -= zeros;
+                const int ones = std::min(std::countr_one(w), left);
+                run += ones, w = ones < kWordBits ? w >> ones : 0, left -= ones;
+                longest = std::max(longest, run);
+            }
+        }
+        return longest;
+    }
+    std::size_t index(int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(num_words_);
+    }
+    void clear(int x, int y) {
+        bits_[index(y) + static_cast<std::size_t>(x / kWordBits)] &= ~(Word{1} << (x % kWordBits));
+    }
+    Word word(int i) const { return i < num_words_ ? eroded_[static_cast<std::size_t>(i)] : 0; }
+
+    // eroded_: bit x is set iff x .. x + length - 1 are free. By doubling.
+    void erode(const Word* row, int length) {
+        eroded_.assign(row, row + num_words_);
+        for (int have = 1; have < length;) {
+            const int step = std::min(have, length - have);
+            const int words = step / kWordBits, bits = step % kWordBits;
+            for (int i = 0; i < num_words_; ++i) {
+                const Word low = word(i + words), high = word(i + words + 1);
+                eroded_[static_cast<std::size_t>(i)] &=
+                    bits == 0 ? low : (low >> bits) | (high << (kWordBits - bits));
+            }
+            have += step;
+        }
+    }
+
+    int width_, height_, num_words_;
+    std::vector<Word> bits_, fits_, eroded_;
+    std::vector<int> longest_;  // per row: its longest free run
+};
+
+// The longest runs first: they tell soonest that there is no room.
+void sort_for_search(Posed& shape) {
+    std::stable_sort(shape.runs.begin(), shape.runs.end(),
+                     [](const Run& a, const Run& b) { return a.length > b.length; });
+}
+
+struct Found {
+    int x = -1, y = 0, pose = 0;
+};
+
+/// A page, and from where on shapes of about one size still find room.
+class OpenPage {
+ public:
+    explicit OpenPage(PageSize size) : free_(size) {}
+
+    Found lowest_end(const std::vector<Posed>& poses) {
+        Found best;
+        int best_end = free_.height() + 1;
+        for (int pose = 0; pose < static_cast<int>(poses.size()); ++pose) {
+            const Posed& shape = poses[static_cast<std::size_t>(pose)];
+            int& first = first_row_[size_class(shape)];
+            int y = first, x = -1;
+            while (y + shape.height < best_end && (x = free_.leftmost(shape, y)) < 0) ++y;
+            first = y;
+            if (x < 0) continue;
+            best = {x, y, pose};
+            best_end = y + shape.height;
+        }
+        return best;
+    }
+
+    void occupy(const Posed& shape, int x, int y) { free_.occupy(shape, x, y); }
+
+ private:
+    using SizeClass = std::array<int, 3>;
+    // Steps of a quarter octave in height, width and the longest run.
+    static SizeClass size_class(const Posed& shape) {
+        const auto step = [](int size) {
+            const int octave = std::bit_width(static_cast<unsigned>(size)) - 1;
+            return 4 * octave + ((4 * size) >> octave) - 4;
+        };
+        return {step(shape.height), step(shape.width), step(shape.runs.front().length)};
+    }
+
+    FreeBits free_;
+    std::map<SizeClass, int> first_row_;
+};
+
+std::vector<Posed> poses_of(const PatchShape& shape) {
+    const Posed upright{shape.width(), shape.height(), runs_of(shape)};
+    const Posed turned = transposed(upright);
+    std::vector<Posed> out;
+    for (int pose = 0; pose < kNumPoses; ++pose)
+        out.push_back(mirrored(pose & 4 ? turned : upright, pose & 1, pose & 2));
+    for (Posed& posed : out) sort_for_search(posed);
+    return out;
+}
+
+}  // namespace
+
+std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> shapes,
+                                                  std::span<const PageSize> pages,
+                                                  const Context& context) {
+    std::vector<OpenPage> open(pages.begin(), pages.end());
+    std::vector<Index> order(shapes.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    std::vector<std::int64_t> sizes(shapes.size());
+    for (std::size_t i = 0; i < shapes.size(); ++i) sizes[i] = shapes[i].num_texels();
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Index a, Index b) { return sizes[a] > sizes[b]; });
+    std::vector<Placement> placements(shapes.size());
+    for (const Index i : order) {
+        check_cancelled(context);
+        const std::vector<Posed> poses = poses_of(shapes[i]);
+        bool is_placed = false;
+        for (Index page = 0; page < open.size() && !is_placed; ++page) {
+            const Found found = open[page].lowest_end(poses);
+            if (found.x < 0) continue;
+            is_placed = true;
+            open[page].occupy(poses[static_cast<std::size_t>(found.pose)], found.x, found.y);
+            // Poses mirror after transposing, placements before.
+            const bool x = found.pose & 1, y = found.pose & 2, turned = found.pose & 4;
+            placements[i] = {page, found.x, found.y, turned ? y : x, turned ? x : y, turned};
+        }
+        if (!is_placed) return std::nullopt;
+    }
+    return placements;
+}
+
+}  // namespace pointbake

@@ -1,0 +1,382 @@
+#include "texture/page_painter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/message.h"
+#include "core/parallel.h"
+#include "texture/chart_patches.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::size_t kGrain = 32;       // triangles per chunk
+constexpr std::size_t kPoll = 1U << 14;  // triangles between two looks at the stop token
+constexpr double kInside = 1e-6;         // barycentrics: nearer to an edge counts as on it
+constexpr double kSameTexel = 1e-3;      // corners that lie apart by more are on other charts
+
+using Corners = std::array<Vec2d, 3>;
+
+// The smallest barycentric coordinate of x. Of a triangle without an area there all is inside.
+double depth_inside(const Corners& c, Vec2d x) {
+    const double area = cross(c[1] - c[0], c[2] - c[0]);
+    if (area == 0.0) return 1.0;
+    return std::min({cross(c[1] - x, c[2] - x) / area, cross(c[2] - x, c[0] - x) / area,
+                     cross(c[0] - x, c[1] - x) / area});
+}
+
+bool has_area(const PatchLayout& layout) { return cross(layout.column_x, layout.column_y) != 0.0F; }
+
+}  // namespace
+
+PagePainter::PagePainter(const PaintSource& source, const PageLayout& layout,
+                         const Context& context)
+    : source_(source),
+      layout_(layout),
+      context_(context),
+      is_paintable_(layout.triangles.size()),
+      out_(empty_pages(source, layout.pages)) {
+    out_.model.triangle_materials = layout.triangle_pages;
+    for (Image& image : out_.model.images) image.has_mips = layout.has_mips;
+    for (std::size_t page = 0; page < layout.repeats.size(); ++page)
+        out_.model.images[page].repeats = layout.repeats[page] != 0;
+    for (Index t = 0; t < is_paintable_.size(); ++t)
+        is_paintable_[t] =
+            has_area(layout.triangles[t]) && source.scene.shell.frame(t).area() > 0.0;
+}
+
+bool PagePainter::has_texel(Index page, int x, int y) const {
+    const Image& image = out_.model.images[page];
+    return image.repeats || (x >= 0 && x < image.width && y >= 0 && y < image.height);
+}
+
+void PagePainter::find_owners() {
+    for (const PageSize page : layout_.pages)
+        owners_.emplace_back(static_cast<std::size_t>(num_texels(page)));
+    for (Index t = 0; t < is_paintable_.size(); ++t) {
+        if (t % kPoll == 0) check_cancelled(context_);
+        if (!is_paintable(t)) continue;
+        claim_inside(t);
+        if (layout_.gutter > 0.0) claim_gutter(t);
+    }
+    for (const std::vector<TexelOwner>& page : owners_)
+        for (const TexelOwner& owner : page)
+            out_.report.num_needed_texels += owner.triangle != kInvalidIndex ? 1 : 0;
+    for (const PatchLayout& t : layout_.triangles)
+        out_.report.payload_texels +=
+            0.5 * std::fabs(cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]));
+}
+
+void PagePainter::claim_inside(Index t) {
+    const Corners& c = layout_.triangles[t].corners;
+    const Index page = layout_.triangle_pages[t];
+    const NeedSet need = need_set(c);
+    for (int row = 0; row < need.shape.height(); ++row) {
+        const PatchShape::Span span = need.shape.rows[static_cast<std::size_t>(row)];
+        for (int i = span.left; i <= span.right; ++i) {
+            const int x = i + need.offset_x, y = row + need.offset_y;
+            if (!has_texel(page, x, y)) continue;
+            const double depth = depth_inside(c, {static_cast<double>(x), static_cast<double>(y)});
+            TexelOwner& owner = owners_[page][out_.model.images[page].texel(x, y)];
+            if (owner.is_inside)
+                owner.is_shared = owner.is_shared || depth > kInside;
+            else if (depth >= -kInside)
+                owner = {t, x, y, 0.0F, true, false};
+            else if (owner.triangle == kInvalidIndex)
+                owner = {t, x, y, HUGE_VALF, false, false};
+        }
+    }
+}
+
+// Where the page goes on with another part of the surface.
+bool PagePainter::is_border(Index t, std::size_t k) const {
+    const Index next = source_.scene.neighbors[t][k];
+    if (next == kInvalidIndex || layout_.triangle_pages[next] != layout_.triangle_pages[t])
+        return true;
+    const Triangle& own = source_.scene.mesh.triangles[t];
+    const Triangle& other = source_.scene.mesh.triangles[next];
+    for (const std::size_t i : {k, (k + 1) % 3}) {
+        const auto j =
+            static_cast<std::size_t>(std::find(other.begin(), other.end(), own[i]) - other.begin());
+        const Vec2d d = layout_.triangles[t].corners[i] - layout_.triangles[next].corners[j];
+        if (length(d) > kSameTexel) return true;
+    }
+    return false;
+}
+
+void PagePainter::claim_gutter(Index t) {
+    const Corners& c = layout_.triangles[t].corners;
+    const Index page = layout_.triangle_pages[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!is_border(t, k)) continue;
+        for_each_texel_near(
+            c[k], c[(k + 1) % 3], layout_.gutter, [&](int x, int y, double distance) {
+                if (!has_texel(page, x, y)) return;
+                TexelOwner& owner = owners_[page][out_.model.images[page].texel(x, y)];
+                if (owner.is_inside) return;
+                const auto d = static_cast<float>(distance);
+                if (owner.triangle == kInvalidIndex || d < owner.distance)
+                    owner = {t, x, y, d, false, false};
+            });
+    }
+}
+
+// Row spans around the texels that a triangle owns; others may lie between them.
+NeedSet PagePainter::owned_by(Index t) const {
+    const Index page = layout_.triangle_pages[t];
+    const Corners& c = layout_.triangles[t].corners;
+    const int margin = static_cast<int>(std::ceil(layout_.gutter)) + 1;
+    const auto low = [&](double a, double b, double d) {
+        return static_cast<int>(std::floor(std::min({a, b, d}))) - margin;
+    };
+    const int x0 = low(c[0].x, c[1].x, c[2].x), x1 = -low(-c[0].x, -c[1].x, -c[2].x);
+    const int y0 = low(c[0].y, c[1].y, c[2].y), y1 = -low(-c[0].y, -c[1].y, -c[2].y);
+    const auto is_own = [&](int x, int y) {
+        if (!has_texel(page, x, y)) return false;
+        const TexelOwner& owner = owners_[page][out_.model.images[page].texel(x, y)];
+        return owner.triangle == t && owner.x == x && owner.y == y;
+    };
+    NeedSet out;
+    std::vector<PatchShape::Span> rows;
+    int left = x1 + 1, top = y1 + 1, bottom = y0 - 1;
+    for (int y = y0; y <= y1; ++y) {
+        PatchShape::Span span{x1 + 1, x0 - 1};
+        for (int x = x0; x <= x1; ++x)
+            if (is_own(x, y)) span.left = std::min(span.left, x), span.right = x;
+        rows.push_back(span);
+        if (span.left > span.right) continue;
+        left = std::min(left, span.left);
+        top = std::min(top, y), bottom = y;
+    }
+    out.offset_x = left, out.offset_y = top;
+    for (int y = top; y <= bottom; ++y) {
+        PatchShape::Span span = rows[static_cast<std::size_t>(y - y0)];
+        if (span.left > span.right) span = {left, left};  // nothing in this row
+        out.shape.rows.push_back({span.left - left, span.right - left});
+    }
+    return out;
+}
+
+void PagePainter::paint() {
+    for (const PageSize page : layout_.pages)
+        values_.emplace_back(static_cast<std::size_t>(num_texels(page)));
+    const auto paint_range = [&](std::size_t begin, std::size_t end) {
+        TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
+        std::uint64_t num_uncovered = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const Index t = static_cast<Index>(i);
+            if (!is_paintable(t)) continue;
+            NeedSet owned = owned_by(t);
+            const PatchLayout& layout = layout_.triangles[t];
+            gauge.look_at(t, layout_.gutter * layout.pitch());
+            PatchTexels texels = gauge.texels(layout, std::move(owned));
+            num_uncovered += texels.num_uncovered;
+            settle_tangent(source_, t, {}, texels, out_.model);
+            copy(t, texels);
+        }
+        return num_uncovered;
+    };
+    out_.report.num_uncovered_texels = parallel_reduce(
+        context_, is_paintable_.size(), kGrain, std::uint64_t{0}, paint_range, std::plus<>());
+    for (std::size_t page = 0; page < owners_.size(); ++page)
+        for (std::size_t i = 0; i < owners_[page].size(); ++i)
+            out_.owned[page][i] = owners_[page][i].triangle != kInvalidIndex;
+}
+
+void PagePainter::copy(Index t, const PatchTexels& texels) {
+    const Index page = layout_.triangle_pages[t];
+    Image& image = out_.model.images[page];
+    for (int row = 0; row < texels.need.shape.height(); ++row) {
+        const PatchShape::Span span = texels.need.shape.rows[static_cast<std::size_t>(row)];
+        for (int i = span.left; i <= span.right; ++i) {
+            const int x = i + texels.need.offset_x, y = row + texels.need.offset_y;
+            if (!has_texel(page, x, y)) continue;
+            const std::size_t at = image.texel(x, y);
+            const TexelOwner& owner = owners_[page][at];
+            if (owner.triangle != t || owner.x != x || owner.y != y) continue;
+            const Texel texel = texels.texel(i, row);
+            values_[page][at] = texels.value(i, row);
+            std::copy(texel.begin(), texel.end(),
+                      image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * at));
+        }
+    }
+}
+
+namespace {
+
+// Texels finer than this share of the points' spacing show what is between the points: there the
+// splats' values at their centres are as good as any.
+constexpr double kCoarse = 0.6;
+constexpr float kSampleWeight = 0.25F;  // four samples to a texel
+constexpr float kLoosePrior = 0.05F, kFirmPrior = 1.0F;
+constexpr float kPairWeight = 2.0F;
+
+struct Sample {
+    TexelFit::Tap tap;
+    Vec3f wanted;
+};
+
+}  // namespace
+
+void PagePainter::fit() {
+    if (source_.map.kind != MapKind::kColor) return;
+    TexelFit fit(layout_.pages, values_);
+    add_samples(fit);
+    for (Index t = 0; t < is_paintable_.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) add_border(t, k, fit);
+    values_ = fit.solve(context_);
+    for (std::size_t page = 0; page < values_.size(); ++page) {
+        Image& image = out_.model.images[page];
+        parallel_for(context_, values_[page].size(), std::size_t{1} << 14,
+                     [&](std::size_t begin, std::size_t end) {
+                         for (std::size_t i = begin; i < end; ++i) {
+                             if (owners_[page][i].triangle == kInvalidIndex) continue;
+                             const Texel texel = encode(MapKind::kColor, values_[page][i]);
+                             std::copy(texel.begin(), texel.end(),
+                                       image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i));
+                         }
+                     });
+    }
+}
+
+// Four samples to a texel, splatted as if they were texels of half the size.
+void PagePainter::add_samples(TexelFit& fit) const {
+    constexpr std::size_t kBatch = 2048;
+    std::vector<std::uint8_t> is_coarse(is_paintable_.size(), 0);
+    for (std::size_t first = 0; first < is_paintable_.size(); first += kBatch) {
+        const std::size_t count = std::min(kBatch, is_paintable_.size() - first);
+        std::vector<std::vector<Sample>> samples(count);
+        parallel_for(context_, count, kGrain, [&](std::size_t begin, std::size_t end) {
+            TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
+            for (std::size_t i = begin; i < end; ++i) {
+                const Index t = static_cast<Index>(first + i);
+                if (!is_paintable(t)) continue;
+                const PatchLayout& layout = layout_.triangles[t];
+                const Corners& c = layout.corners;
+                if (cross(c[1] - c[0], c[2] - c[0]) == 0.0) continue;
+                gauge.look_at(t);
+                if (layout.pitch() < kCoarse * gauge.spacing()) continue;
+                is_coarse[t] = 1;
+                PatchLayout halves = layout;
+                const auto half = [](auto x) { return x + x; };
+                for (Vec2d& corner : halves.corners) corner = half(corner) + Vec2d{0.5, 0.5};
+                halves.origin = half(layout.origin) + Vec2f{0.5F, 0.5F};
+                halves.column_x = half(layout.column_x);
+                halves.column_y = half(layout.column_y);
+                const PatchTexels texels = gauge.texels(halves);
+                for (int row = 0; row < texels.need.shape.height(); ++row) {
+                    const PatchShape::Span span =
+                        texels.need.shape.rows[static_cast<std::size_t>(row)];
+                    for (int j = span.left; j <= span.right; ++j) {
+                        const Vec2d place =
+                            (Vec2d{static_cast<double>(j + texels.need.offset_x),
+                                   static_cast<double>(row + texels.need.offset_y)} -
+                             Vec2d{0.5, 0.5}) *
+                            0.5;
+                        if (depth_inside(c, place) < -kInside) continue;
+                        if (const auto tap = fit.tap(layout_.triangle_pages[t], place))
+                            samples[i].push_back({*tap, texels.value(j, row)});
+                    }
+                }
+            }
+        });
+        for (const std::vector<Sample>& of_triangle : samples)
+            for (const Sample& s : of_triangle) fit.add_sample(s.tap, s.wanted, kSampleWeight);
+    }
+    for (Index page = 0; page < owners_.size(); ++page)
+        for (std::size_t i = 0; i < owners_[page].size(); ++i) {
+            const Index t = owners_[page][i].triangle;
+            if (t != kInvalidIndex)
+                fit.add_prior(page, i, is_coarse[t] != 0 ? kLoosePrior : kFirmPrior);
+        }
+}
+
+// Both sides of a border edge, twice to a texel.
+void PagePainter::add_border(Index t, std::size_t k, TexelFit& fit) const {
+    const Index next = source_.scene.neighbors[t][k];
+    if (next == kInvalidIndex || next < t || !is_border(t, k)) return;
+    if (!is_paintable(t) || !is_paintable(next)) return;
+    const Triangle& own = source_.scene.mesh.triangles[t];
+    const Triangle& other = source_.scene.mesh.triangles[next];
+    const auto corner = [&](Index vertex) {
+        const auto j = std::find(other.begin(), other.end(), vertex) - other.begin();
+        return layout_.triangles[next].corners[static_cast<std::size_t>(j)];
+    };
+    const Vec2d a = layout_.triangles[t].corners[k], b = layout_.triangles[t].corners[(k + 1) % 3];
+    const Vec2d c = corner(own[k]), d = corner(own[(k + 1) % 3]);
+    const int count =
+        std::max(1, static_cast<int>(std::ceil(2.0 * std::max(length(b - a), length(d - c)))));
+    for (int i = 0; i < count; ++i) {
+        const double s = (i + 0.5) / count;
+        const auto here = fit.tap(layout_.triangle_pages[t], a + (b - a) * s);
+        const auto there = fit.tap(layout_.triangle_pages[next], c + (d - c) * s);
+        if (here && there) fit.add_pair(*here, *there, kPairWeight);
+    }
+}
+
+// Bilinear, in linear light, as hardware reads a page of colours.
+Vec3f PagePainter::read_page(Index t, Vec2f place) const {
+    const Image& page = out_.model.images[layout_.triangle_pages[t]];
+    // Single floats are too coarse for a place among thousands of texels.
+    const std::array<double, 3> b =
+        source_.scene.shell.frame(t).barycentric(vec_cast<double>(place));
+    const Corners& c = layout_.triangles[t].corners;
+    const Vec2d texel = c[0] * b[0] + c[1] * b[1] + c[2] * b[2];
+    const double x0 = std::floor(texel.x), y0 = std::floor(texel.y);
+    const auto fx = static_cast<float>(texel.x - x0), fy = static_cast<float>(texel.y - y0);
+    const int x = static_cast<int>(x0), y = static_cast<int>(y0);
+    const auto at = [&](int i, int j) {
+        const std::uint8_t* p = &page.pixels[3 * page.texel(i, j)];
+        return decode(MapKind::kColor, {p[0], p[1], p[2]});
+    };
+    const Vec3f top = at(x, y) * (1.0F - fx) + at(x + 1, y) * fx;
+    const Vec3f bottom = at(x, y + 1) * (1.0F - fx) + at(x + 1, y + 1) * fx;
+    return linear_to_value(top * (1.0F - fy) + bottom * fy);
+}
+
+// Colours are read from the pages. A normal map holds vectors in each triangle's own frame: its
+// triangles are judged by what they painted.
+void PagePainter::measure(double bound, const std::function<CapCount(Index, TriangleGauge&)>& cap) {
+    RawErrors raw(source_);
+    const std::size_t num_triangles = is_paintable_.size();
+    std::vector<float> errors(num_triangles, 0.0F);
+    std::vector<double> areas(num_triangles);
+    std::vector<CapCount> caps(num_triangles, nullptr);
+    parallel_for(context_, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
+        TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Index t = static_cast<Index>(i);
+            areas[t] = source_.scene.shell.frame(t).area();
+            if (!(areas[t] > 0.0)) continue;
+            gauge.look_at(t);
+            gauge.place_probes();
+            if (source_.map.kind == MapKind::kNormal) {
+                if (!is_paintable(t)) continue;
+                const PatchTexels texels = gauge.texels(layout_.triangles[t]);
+                raw.measure(t, texels);
+                errors[t] = gauge.error(texels);
+            } else {
+                const auto read = [&](Vec2f place) { return read_page(t, place); };
+                raw.measure(t, read);
+                errors[t] = gauge.error(read);
+            }
+            if (static_cast<double>(errors[t]) > bound) caps[t] = cap(t, gauge);
+        }
+    });
+    TextureReport& report = out_.report;
+    report.bound = bound;
+    raw.summarise(report);
+    for (const CapCount c : caps)
+        if (c) ++(report.capped.*c);
+    summarise_distribution(std::move(errors), areas, report);
+}
+
+std::uint64_t PagePainter::num_shared() const {
+    std::uint64_t sum = 0;
+    for (const std::vector<TexelOwner>& page : owners_)
+        for (const TexelOwner& owner : page) sum += owner.is_shared ? 1 : 0;
+    return sum;
+}
+
+}  // namespace pointbake

@@ -1,0 +1,71 @@
+// From a layout of triangles on pages to the pages: who owns each texel, what it shows, and how far
+// that is from the splats.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "texture/level_errors.h"
+#include "texture/paint_pages.h"
+#include "texture/texel_fit.h"
+
+namespace pointbake {
+
+/// Where all triangles lie. Layouts are among the texels of their pages.
+struct PageLayout {
+    std::vector<PageSize> pages;
+    std::vector<std::uint8_t> repeats;  ///< per page: it begins again beyond its border
+    bool has_mips = false;              ///< of charts: viewers may use mip levels
+    std::vector<Index> triangle_pages;
+    std::vector<PatchLayout> triangles;
+    double gutter = 0.0;  ///< texels beyond the borders of charts that are painted, too
+};
+
+class PagePainter {
+ public:
+    /// All must outlive it.
+    PagePainter(const PaintSource& source, const PageLayout& layout, const Context& context);
+
+    /// A texel belongs to the first triangle that covers its centre; else, within a gutter, to the
+    /// nearest; else to the first that needs it.
+    void find_owners();
+    /// Every triangle splats the texels that belong to it.
+    void paint();
+    /// Makes texels that are coarser than the points fit them, and both sides of every border show
+    /// the same. Colours only.
+    void fit();
+    /// Errors on the pages. `cap` tells why a triangle is above the bound, looking at it.
+    void measure(double bound, const std::function<CapCount(Index, TriangleGauge&)>& cap);
+
+    bool is_paintable(Index triangle) const { return is_paintable_[triangle] != 0; }
+    std::uint64_t num_shared() const;  ///< texels inside several triangles
+    BakedTexture take() { return std::move(out_); }
+
+ private:
+    struct TexelOwner {
+        Index triangle = kInvalidIndex;
+        // As the triangle's corners have it: pages may repeat.
+        std::int32_t x = 0, y = 0;
+        float distance = 0.0F;  // to the triangle; infinite where it merely needs the texel
+        bool is_inside = false, is_shared = false;
+    };
+    void claim_inside(Index triangle);
+    void claim_gutter(Index triangle);
+    bool is_border(Index triangle, std::size_t k) const;
+    NeedSet owned_by(Index triangle) const;
+    void copy(Index triangle, const PatchTexels& texels);
+    void add_samples(TexelFit& fit) const;
+    void add_border(Index triangle, std::size_t k, TexelFit& fit) const;
+    Vec3f read_page(Index triangle, Vec2f place) const;
+    bool has_texel(Index page, int x, int y) const;
+
+    const PaintSource source_;
+    const PageLayout& layout_;
+    const Context& context_;
+    std::vector<std::uint8_t> is_paintable_;  // per triangle
+    std::vector<std::vector<TexelOwner>> owners_;
+    TexelFit::Values values_;  // of the texels, not rounded
+    BakedTexture out_;
+};
+
+}  // namespace pointbake
