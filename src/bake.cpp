@@ -12,7 +12,11 @@ namespace pointbake {
 namespace {
 
 constexpr double kDefaultTextureError = 4.0;  // 8-bit sRGB steps
-constexpr int kFitSteps = 8;                  // packings tried to fill the budget's pages
+// Packings tried to fill the budget's pages: the first asks for this share of them, the next for
+// more or less by a step, and those after for what is between.
+constexpr int kFitSteps = 9;
+constexpr double kFirstFillOfTriangles = 0.93, kFirstFillOfCharts = 0.8, kFillStep = 1.06;
+constexpr double kFillPrecision = 0.003;
 
 struct Fitted {
     TexturePlan plan;
@@ -46,8 +50,9 @@ Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions&
             return {std::move(whole), packing.pages, packing.placements};
     }
     std::optional<Fitted> best;
-    double low = 0.0, high = static_cast<double>(std::min(area, whole.num_needed)),
-           next = 0.93 * high;
+    const bool has_charts = options.texture.atlas == AtlasKind::kCharts;
+    double low = 0.0, high = static_cast<double>(std::min(area, whole.num_needed));
+    double next = (has_charts ? kFirstFillOfCharts : kFirstFillOfTriangles) * high;
     for (int step = 0; step < kFitSteps || !best; ++step) {
         check_cancelled(context);
         TexturePlan plan = baker.plan(bound, static_cast<std::int64_t>(next), context);
@@ -63,9 +68,8 @@ Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions&
             }
             high = next;
         }
-        if (high - low < 0.002 * high) break;
-        // Fills differ little between neighbouring sizes: look close to the last success first.
-        next = best ? std::min(0.5 * (low + high), low * (step < 2 ? 1.02 : 1.2)) : 0.95 * high;
+        if (high - low < kFillPrecision * high) break;
+        next = best ? std::min(0.5 * (low + high), low * kFillStep) : high / kFillStep;
     }
     return std::move(*best);
 }

@@ -11,6 +11,7 @@
 namespace pointbake {
 namespace {
 
+constexpr std::size_t kMostTries = 16, kMostPlacings = 2000;  // of other orders
 using Word = std::uint64_t;
 constexpr int kWordBits = 64;
 constexpr int kNumPoses = 8;  // two directions, mirrored or not in both axes
@@ -218,22 +219,14 @@ std::vector<Posed> poses_of(const PatchShape& shape) {
     return out;
 }
 
-}  // namespace
-
-std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> shapes,
-                                                  std::span<const PageSize> pages,
-                                                  const Context& context) {
+/// Packs in a given order; the position of the first shape that found no room, or -1.
+int pack_in_order(const std::vector<std::vector<Posed>>& shapes, std::span<const Index> order,
+                  std::span<const PageSize> pages, std::vector<Placement>& placements,
+                  const Context& context) {
     std::vector<OpenPage> open(pages.begin(), pages.end());
-    std::vector<Index> order(shapes.size());
-    std::iota(order.begin(), order.end(), Index{0});
-    std::vector<std::int64_t> sizes(shapes.size());
-    for (std::size_t i = 0; i < shapes.size(); ++i) sizes[i] = shapes[i].num_texels();
-    std::stable_sort(order.begin(), order.end(),
-                     [&](Index a, Index b) { return sizes[a] > sizes[b]; });
-    std::vector<Placement> placements(shapes.size());
-    for (const Index i : order) {
+    for (std::size_t rank = 0; rank < order.size(); ++rank) {
         check_cancelled(context);
-        const std::vector<Posed> poses = poses_of(shapes[i]);
+        const std::vector<Posed>& poses = shapes[order[rank]];
         bool is_placed = false;
         for (Index page = 0; page < open.size() && !is_placed; ++page) {
             const Found found = open[page].lowest_end(poses);
@@ -242,11 +235,39 @@ std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> sh
             open[page].occupy(poses[static_cast<std::size_t>(found.pose)], found.x, found.y);
             // Poses mirror after transposing, placements before.
             const bool x = found.pose & 1, y = found.pose & 2, turned = found.pose & 4;
-            placements[i] = {page, found.x, found.y, turned ? y : x, turned ? x : y, turned};
+            placements[order[rank]] = {page,           found.x,        found.y,
+                                       turned ? y : x, turned ? x : y, turned};
         }
-        if (!is_placed) return std::nullopt;
+        if (!is_placed) return static_cast<int>(rank);
     }
-    return placements;
+    return -1;
+}
+
+}  // namespace
+
+std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> shapes,
+                                                  std::span<const PageSize> pages,
+                                                  const Context& context) {
+    std::vector<std::vector<Posed>> poses(shapes.size());
+    parallel_for(context, shapes.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) poses[i] = poses_of(shapes[i]);
+    });
+    std::vector<Index> order(shapes.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    std::vector<std::int64_t> sizes(shapes.size());
+    for (std::size_t i = 0; i < shapes.size(); ++i) sizes[i] = shapes[i].num_texels();
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Index a, Index b) { return sizes[a] > sizes[b]; });
+    std::vector<Placement> placements(shapes.size());
+    // What found no room comes first in the next try.
+    const std::size_t tries =
+        1 + std::min<std::size_t>(kMostTries, kMostPlacings / (1 + order.size()));
+    for (std::size_t i = 0; i < tries; ++i) {
+        const int failed = pack_in_order(poses, order, pages, placements, context);
+        if (failed < 0) return placements;
+        std::rotate(order.begin(), order.begin() + failed, order.begin() + failed + 1);
+    }
+    return std::nullopt;
 }
 
 }  // namespace pointbake

@@ -183,7 +183,15 @@ std::uint8_t ChartPatches::first_within(Index chart, double bound) const {
 
 double ChartPatches::needed(Index chart, int level) const {
     const double d = density(level);
-    return area_[chart] * d * d + border_[chart] * d * gutter_ + 3.15 * gutter_ * gutter_;
+    const double g = gutter(chart, level);
+    return area_[chart] * d * d + border_[chart] * d * g + 3.15 * g * g;
+}
+
+double ChartPatches::gutter(Index chart, int level) const {
+    constexpr double kLeast = 1.0;
+    if (!(border_[chart] > 0.0)) return gutter_;
+    return std::clamp(density(level) * area_[chart] / border_[chart], kLeast,
+                      std::max(kLeast, gutter_));
 }
 
 std::uint8_t ChartPatches::cheapest(Index chart, std::uint8_t last, double price) const {
@@ -227,7 +235,7 @@ NeedSet ChartPatches::need(Index chart, int level) const {
         }
         for (std::size_t k = 0; k < 3; ++k)
             if (is_border(t, k))
-                for_each_texel_near(c[k], c[(k + 1) % 3], gutter_ + kRounding,
+                for_each_texel_near(c[k], c[(k + 1) % 3], gutter(chart, level) + kRounding,
                                     [&](int x, int y, double) { mark(x, y); });
     }
     return need_set(needed, width);

@@ -31,13 +31,13 @@ void for_each_texel_near(Vec2d a, Vec2d b, double gutter, Visit&& visit) {
 class ChartPatches {
  public:
     /// `triangles`: the errors of every triangle on its own; `max_side`: of a patch, in texels;
-    /// `gutter`: texels beyond a chart's border that it fills.
     ChartPatches(const Mesh& mesh, const std::vector<std::array<Index, 3>>& neighbors,
                  const Shell& shell, const LevelErrors& triangles, int max_side, double gutter,
                  const Context& context);
 
     std::size_t size() const { return charts_.count; }
-    double gutter() const { return gutter_; }
+    /// Texels beyond a chart's border that it fills: fewer where they would outnumber its own.
+    double gutter(Index chart, int level) const;
     const Charts& charts() const { return charts_; }
     /// Texels per unit.
     double density(int level) const;

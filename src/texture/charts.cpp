@@ -16,8 +16,10 @@ namespace {
 constexpr double kLeastCosine = 0.5;  // of a normal to the axis; flattening does the rest
 constexpr double kCompact = 0.1;      // how much roundness counts next to flatness
 constexpr int kGrowRounds = 12;       // of growing from better seeds
-constexpr int kConeSteps = 32;        // of the search for an axis
-constexpr int kLeastCells = 4096;     // of the grid on which overlaps are looked for
+constexpr int kStraightenRounds = 16;
+constexpr int kConeSteps = 32;     // of the search for an axis
+constexpr int kLeastCells = 4096;  // of the grid on which near sheets are looked for
+constexpr int kMostCells = 512;    // per side of the grid on which crossings are
 
 struct Face {
     Vec3d normal;  // unit length; zero for triangles without an area
@@ -98,6 +100,47 @@ class Grower {
         do {
             flood();
         } while (seed_what_is_left());
+        straighten();
+    }
+
+    // Triangles whose border is shortened by going over to a neighbouring chart do, where they fit:
+    // what grows triangle by triangle has the borders of a saw.
+    void straighten() {
+        for (int round = 0; round < kStraightenRounds; ++round) {
+            bool moved = false;
+            for (Index t = 0; t < faces_.size(); ++t) {
+                if (t == proxies_[chart_of_[t]].seed) continue;
+                std::array<double, 3> lengths;
+                double inside = 0.0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    lengths[k] = edge_length(t, k);
+                    if (chart_at(t, k) == chart_of_[t]) inside += lengths[k];
+                }
+                double best = inside;
+                Index to = chart_of_[t];
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const Index other = chart_at(t, k);
+                    if (other == kInvalidIndex || other == chart_of_[t]) continue;
+                    double shared = 0.0;
+                    for (std::size_t j = 0; j < 3; ++j)
+                        if (chart_at(t, j) == other) shared += lengths[j];
+                    if (shared > best * (1.0 + 1e-9) && fits(t, proxies_[other].axis))
+                        best = shared, to = other;
+                }
+                if (to == chart_of_[t]) continue;
+                chart_of_[t] = to;
+                moved = true;
+            }
+            if (!moved) return;
+        }
+    }
+    Index chart_at(Index t, std::size_t k) const {
+        const Index next = neighbors_[t][k];
+        return next == kInvalidIndex ? kInvalidIndex : chart_of_[next];
+    }
+    double edge_length(Index t, std::size_t k) const {
+        const Triangle& tri = mesh_.triangles[t];
+        return length(mesh_.positions[tri[(k + 1) % 3]] - mesh_.positions[tri[k]]);
     }
 
     // Every proxy grows over the triangles that it fits best.
@@ -199,8 +242,7 @@ class Grower {
     // All charts that the proxies stand for; those that cannot be laid out are cut in two until
     // they can.
     void lay_out_all() {
-        std::vector<std::vector<Index>> todo(proxies_.size());
-        for (Index t = 0; t < faces_.size(); ++t) todo[chart_of_[t]].push_back(t);
+        std::vector<std::vector<Index>> todo = connected_parts();
         while (!todo.empty()) {
             check_cancelled(context_);
             const std::vector<Index> part = std::move(todo.back());
@@ -213,6 +255,24 @@ class Grower {
                 for (std::vector<Index>& half : cut(part, apart)) todo.push_back(std::move(half));
             }
         }
+    }
+
+    // What is connected on one chart. Straightening may cut a part off.
+    std::vector<std::vector<Index>> connected_parts() const {
+        std::vector<std::vector<Index>> out;
+        std::vector<std::uint8_t> seen(faces_.size(), 0);
+        for (Index start = 0; start < faces_.size(); ++start) {
+            if (seen[start]) continue;
+            std::vector<Index> part{start};
+            seen[start] = 1;
+            for (std::size_t head = 0; head < part.size(); ++head)
+                for (const Index next : neighbors_[part[head]])
+                    if (next != kInvalidIndex && !seen[next] && chart_of_[next] == chart_of_[start])
+                        seen[next] = 1, part.push_back(next);
+            std::sort(part.begin(), part.end());
+            out.push_back(std::move(part));
+        }
+        return out;
     }
 
     // Both parts together in one plane; if that cannot be, `apart` is given two triangles that
@@ -228,11 +288,12 @@ class Grower {
         std::optional<FlatCorners> flat = flatten(mesh_, out.triangles, std::move(out.corners));
         if (!flat) return std::nullopt;
         out.corners = std::move(*flat);
-        if (const auto overlap = find_overlap(out)) {
-            apart = *overlap;
-            return std::nullopt;
-        }
-        return out;
+        auto overlap = find_crossing(out);
+        if (!overlap) overlap = find_wrapped_vertex(out);
+        if (!overlap) overlap = find_near_sheets(out);
+        if (!overlap) return out;
+        apart = *overlap;
+        return std::nullopt;
     }
 
     // An axis that all of them fit: towards the normal that is farthest off, by smaller and smaller
@@ -291,14 +352,112 @@ class Grower {
     }
 
     // --- overlaps ------------------------------------------------------------------------------
+    // A side of a triangle across which the chart ends.
+    struct BorderSide {
+        Index triangle;
+        Vec2d a, b;
+        bool crosses(const BorderSide& other) const {
+            const Vec2d d = b - a, e = other.b - other.a;
+            return cross(d, other.a - a) * cross(d, other.b - a) < 0.0 &&
+                   cross(e, a - other.a) * cross(e, b - other.a) < 0.0;
+        }
+    };
+
+    std::vector<BorderSide> border_of(const Chart& chart) const {
+        std::vector<BorderSide> out;
+        const auto is_member = [&](Index t) {
+            return std::binary_search(chart.triangles.begin(), chart.triangles.end(), t);
+        };
+        for (std::size_t i = 0; i < chart.triangles.size(); ++i)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index next = neighbors_[chart.triangles[i]][k];
+                if (next == kInvalidIndex || !is_member(next))
+                    out.push_back(
+                        {chart.triangles[i], chart.corners[i][k], chart.corners[i][(k + 1) % 3]});
+            }
+        return out;
+    }
+
+    // Two triangles whose sides on the border cross. Where none do, a chart without triangles that
+    // are turned over covers no place twice.
+    std::optional<std::pair<Index, Index>> find_crossing(const Chart& chart) const {
+        const std::vector<BorderSide> border = border_of(chart);
+        Vec2d low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
+        double around = 0.0;
+        for (const BorderSide& side : border) {
+            low = {std::min(low.x, side.a.x), std::min(low.y, side.a.y)};
+            high = {std::max(high.x, side.a.x), std::max(high.y, side.a.y)};
+            around += length(side.b - side.a);
+        }
+        const double size = std::max(high.x - low.x, high.y - low.y);
+        const double cell =
+            std::max(around / static_cast<double>(std::max<std::size_t>(border.size(), 1)),
+                     size / kMostCells);
+        if (!(cell > 0.0)) return std::nullopt;
+        const auto column = [&](double x) { return static_cast<int>((x - low.x) / cell); };
+        const auto row = [&](double y) { return static_cast<int>((y - low.y) / cell); };
+        const int width = column(high.x) + 1, height = row(high.y) + 1;
+        std::vector<std::vector<Index>> grid(static_cast<std::size_t>(width) *
+                                             static_cast<std::size_t>(height));
+        for (Index i = 0; i < border.size(); ++i) {
+            const auto [left, right] = std::minmax(border[i].a.x, border[i].b.x);
+            const auto [top, bottom] = std::minmax(border[i].a.y, border[i].b.y);
+            for (int y = row(top); y <= row(bottom); ++y)
+                for (int x = column(left); x <= column(right); ++x) {
+                    std::vector<Index>& here =
+                        grid[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                             static_cast<std::size_t>(x)];
+                    for (const Index j : here)
+                        if (border[i].crosses(border[j]))
+                            return std::pair{border[j].triangle, border[i].triangle};
+                    here.push_back(i);
+                }
+        }
+        return std::nullopt;
+    }
+
+    // The corner of a triangle at a vertex: a wedge between two directions, counter-clockwise.
+    struct Wedge {
+        Index vertex, triangle;
+        Vec2d from, to;
+        bool holds(Vec2d d) const { return cross(from, d) > 0.0 && cross(d, to) > 0.0; }
+        bool overlaps(const Wedge& other) const {
+            const Vec2d middle = from / length(from) + to / length(to);
+            return holds(other.from) || holds(other.to) || other.holds(from) || other.holds(to) ||
+                   other.holds(middle);
+        }
+    };
+
+    // Two triangles that cover the same at a vertex they share, where borders meet without crossing
+    // beside it.
+    std::optional<std::pair<Index, Index>> find_wrapped_vertex(const Chart& chart) const {
+        std::vector<Wedge> wedges;
+        for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
+            const Index t = chart.triangles[i];
+            if (!(faces_[t].area > 0.0)) continue;
+            const std::array<Vec2d, 3>& c = chart.corners[i];
+            for (std::size_t k = 0; k < 3; ++k)
+                wedges.push_back(
+                    {mesh_.triangles[t][k], t, c[(k + 1) % 3] - c[k], c[(k + 2) % 3] - c[k]});
+        }
+        std::stable_sort(wedges.begin(), wedges.end(),
+                         [](const Wedge& a, const Wedge& b) { return a.vertex < b.vertex; });
+        for (std::size_t i = 0; i < wedges.size(); ++i)
+            for (std::size_t j = i + 1; j < wedges.size() && wedges[j].vertex == wedges[i].vertex;
+                 ++j)
+                if (wedges[i].overlaps(wedges[j]))
+                    return std::pair{wedges[i].triangle, wedges[j].triangle};
+        return std::nullopt;
+    }
+
     struct Cell {
         Index triangle = kInvalidIndex;
         Vec3d place;  // on the surface
     };
 
-    // Two triangles of a chart that cover the same place of its plane, or nearly so, but lie far
-    // apart on the surface.
-    std::optional<std::pair<Index, Index>> find_overlap(const Chart& chart) const {
+    // Two triangles that nearly touch in the plane of their chart, but lie far apart on the
+    // surface.
+    std::optional<std::pair<Index, Index>> find_near_sheets(const Chart& chart) const {
         Vec2d low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
         double area = 0.0;
         for (const Index t : chart.triangles) area += faces_[t].area;
@@ -326,12 +485,9 @@ class Grower {
                 squared_length(a.place - b.place) > steps * steps * cell * cell)
                 found = {a.triangle, b.triangle};
         };
-        for (std::size_t i = 0; i < chart.triangles.size() && !found; ++i)
+        for (std::size_t i = 0; i < chart.triangles.size(); ++i)
             for_each_cell(chart, i, low, cell, width, height, [&](int x, int y, Vec3d place) {
-                Cell& here = at(x, y);
-                const Cell next{chart.triangles[i], place};
-                compare(here, next, kSteps);
-                here = next;
+                at(x, y) = {chart.triangles[i], place};
             });
         constexpr int kNear = 2;  // cells between sheets
         for (int y = 0; y < height && !found; ++y)
@@ -411,9 +567,7 @@ class Grower {
         for (Index t = 0; t < faces_.size(); ++t)
             for (std::size_t k = 0; k < 3; ++k) {
                 const Index next = neighbors_[t][k];
-                const Triangle& tri = mesh_.triangles[t];
-                const double l =
-                    length(mesh_.positions[tri[(k + 1) % 3]] - mesh_.positions[tri[k]]);
+                const double l = edge_length(t, k);
                 if (next != kInvalidIndex && chart_of_[next] == chart_of_[t]) continue;
                 around[chart_of_[t]] += l;
                 if (next != kInvalidIndex && chart_of_[t] < chart_of_[next])

@@ -58,7 +58,7 @@ void PagePainter::find_owners() {
         if (t % kPoll == 0) check_cancelled(context_);
         if (!is_paintable(t)) continue;
         claim_inside(t);
-        if (layout_.gutter > 0.0) claim_gutter(t);
+        if (!layout_.gutters.empty()) claim_gutter(t);
     }
     for (const std::vector<TexelOwner>& page : owners_)
         for (const TexelOwner& owner : page)
@@ -111,7 +111,7 @@ void PagePainter::claim_gutter(Index t) {
     for (std::size_t k = 0; k < 3; ++k) {
         if (!is_border(t, k)) continue;
         for_each_texel_near(
-            c[k], c[(k + 1) % 3], layout_.gutter, [&](int x, int y, double distance) {
+            c[k], c[(k + 1) % 3], layout_.gutters[t], [&](int x, int y, double distance) {
                 if (!has_texel(page, x, y)) return;
                 TexelOwner& owner = owners_[page][out_.model.images[page].texel(x, y)];
                 if (owner.is_inside) return;
@@ -126,7 +126,7 @@ void PagePainter::claim_gutter(Index t) {
 NeedSet PagePainter::owned_by(Index t) const {
     const Index page = layout_.triangle_pages[t];
     const Corners& c = layout_.triangles[t].corners;
-    const int margin = static_cast<int>(std::ceil(layout_.gutter)) + 1;
+    const int margin = static_cast<int>(std::ceil(gutter(t))) + 1;
     const auto low = [&](double a, double b, double d) {
         return static_cast<int>(std::floor(std::min({a, b, d}))) - margin;
     };
@@ -169,7 +169,7 @@ void PagePainter::paint() {
             if (!is_paintable(t)) continue;
             NeedSet owned = owned_by(t);
             const PatchLayout& layout = layout_.triangles[t];
-            gauge.look_at(t, layout_.gutter * layout.pitch());
+            gauge.look_at(t, gutter(t) * layout.pitch());
             PatchTexels texels = gauge.texels(layout, std::move(owned));
             num_uncovered += texels.num_uncovered;
             settle_tangent(source_, t, {}, texels, out_.model);
@@ -210,7 +210,7 @@ namespace {
 constexpr double kCoarse = 0.6;
 constexpr float kSampleWeight = 0.25F;  // four samples to a texel
 constexpr float kLoosePrior = 0.05F, kFirmPrior = 1.0F;
-constexpr float kPairWeight = 2.0F;
+constexpr float kPairWeight = 64.0F;
 
 struct Sample {
     TexelFit::Tap tap;

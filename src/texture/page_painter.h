@@ -18,7 +18,7 @@ struct PageLayout {
     bool has_mips = false;              ///< of charts: viewers may use mip levels
     std::vector<Index> triangle_pages;
     std::vector<PatchLayout> triangles;
-    double gutter = 0.0;  ///< texels beyond the borders of charts that are painted, too
+    std::vector<double> gutters;  ///< per triangle: texels beyond the border that it paints
 };
 
 class PagePainter {
@@ -49,6 +49,9 @@ class PagePainter {
         float distance = 0.0F;  // to the triangle; infinite where it merely needs the texel
         bool is_inside = false, is_shared = false;
     };
+    double gutter(Index triangle) const {
+        return layout_.gutters.empty() ? 0.0 : layout_.gutters[triangle];
+    }
     void claim_inside(Index triangle);
     void claim_gutter(Index triangle);
     bool is_border(Index triangle, std::size_t k) const;

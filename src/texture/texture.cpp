@@ -208,7 +208,6 @@ PageLayout TextureBaker::Impl::page_layout(const TexturePlan& plan, std::span<co
     PageLayout out;
     out.pages.assign(pages.begin(), pages.end());
     out.has_mips = charts.has_value();
-    if (charts) out.gutter = charts->gutter();
     std::vector<Pose> poses;
     for (std::size_t p = 0; p < num_patches(); ++p)
         poses.emplace_back(placements[p], need(p, plan.levels[p]));
@@ -220,6 +219,7 @@ PageLayout TextureBaker::Impl::page_layout(const TexturePlan& plan, std::span<co
             out.triangles.push_back(poses[patch].place(triangle_layout(t, level)));
             continue;
         }
+        out.gutters.push_back(charts->gutter(patch, level));
         std::array<Vec2d, 3> corners = charts->corners(t, level);
         for (Vec2d& corner : corners) corner = poses[patch].place(corner);
         const bool has_area = shell.frame(t).area() > 0.0 &&
