@@ -14,9 +14,9 @@ namespace {
 constexpr double kDefaultTextureError = 4.0;  // 8-bit sRGB steps
 // Packings tried to fill the budget's pages: the first asks for this share of them, the next for
 // more or less by a step, and those after for what is between.
-constexpr int kFitSteps = 9;
+constexpr int kFitSteps = 7;
 constexpr double kFirstFillOfTriangles = 0.93, kFirstFillOfCharts = 0.8, kFillStep = 1.06;
-constexpr double kFillPrecision = 0.003;
+constexpr double kFillPrecision = 0.006;
 
 struct Fitted {
     TexturePlan plan;
@@ -56,6 +56,8 @@ Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions&
     for (int step = 0; step < kFitSteps || !best; ++step) {
         check_cancelled(context);
         TexturePlan plan = baker.plan(bound, static_cast<std::int64_t>(next), context);
+        log(context, LogLevel::kDebug, "texture: packing {} patches that need {} of {} texels",
+            plan.shapes.size(), plan.num_needed, area);
         std::optional<Packing> packing = pack_into(plan.shapes, pages, options.atlas, context);
         if (packing) {
             low = next;

@@ -12,6 +12,7 @@ namespace pointbake {
 namespace {
 
 constexpr std::size_t kMostTries = 16, kMostPlacings = 2000;  // of other orders
+constexpr std::int64_t kSmall = 300;                          // a share of all texels
 using Word = std::uint64_t;
 constexpr int kWordBits = 64;
 constexpr int kNumPoses = 8;  // two directions, mirrored or not in both axes
@@ -243,6 +244,32 @@ int pack_in_order(const std::vector<std::vector<Posed>>& shapes, std::span<const
     return -1;
 }
 
+// Large ones first; small ones, which mip levels mix first, beside those that they are like.
+std::vector<Index> packing_order(std::span<const PatchShape> shapes) {
+    constexpr std::int64_t kSmall = 300;  // of all texels over its own
+    constexpr int kLarge = 64;
+    std::int64_t total = 0;
+    std::vector<std::int64_t> sizes;
+    for (const PatchShape& shape : shapes) {
+        sizes.push_back(shape.num_texels());
+        total += sizes.back();
+    }
+    std::vector<int> classes;  // small ones by octaves of their side
+    for (const std::int64_t size : sizes)
+        classes.push_back(size * kSmall > total
+                              ? kLarge
+                              : static_cast<int>(std::bit_width(static_cast<std::uint64_t>(size))) /
+                                    2);
+    std::vector<Index> order(shapes.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+        if (classes[a] != classes[b]) return classes[a] > classes[b];
+        if (classes[a] == kLarge) return sizes[a] > sizes[b];
+        return shapes[a].likeness < shapes[b].likeness;
+    });
+    return order;
+}
+
 }  // namespace
 
 std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> shapes,
@@ -252,12 +279,7 @@ std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> sh
     parallel_for(context, shapes.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) poses[i] = poses_of(shapes[i]);
     });
-    std::vector<Index> order(shapes.size());
-    std::iota(order.begin(), order.end(), Index{0});
-    std::vector<std::int64_t> sizes(shapes.size());
-    for (std::size_t i = 0; i < shapes.size(); ++i) sizes[i] = shapes[i].num_texels();
-    std::stable_sort(order.begin(), order.end(),
-                     [&](Index a, Index b) { return sizes[a] > sizes[b]; });
+    std::vector<Index> order = packing_order(shapes);
     std::vector<Placement> placements(shapes.size());
     // What found no room comes first in the next try.
     const std::size_t tries =

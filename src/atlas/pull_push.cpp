@@ -1,5 +1,7 @@
-// Pull-push [Gortler96], with coverage all or nothing: pulling averages the owned quarter texels,
-// pushing interpolates bilinearly from the level above into texels that nobody owns.
+// Pull-push [Gortler96]: pulling averages the owned texels below a coarser one, pushing
+// interpolates bilinearly from the level above into texels that nobody owns, and moves them so that
+// their mean with the owned ones is what is above: then box-filtered mip levels show what is owned
+// alone.
 #include <algorithm>
 #include <array>
 
@@ -18,11 +20,13 @@ struct Level {
     int width = 0, height = 0;
     std::vector<std::array<float, kMaxChannels>> values;
     std::vector<std::uint8_t> owned;
+    std::vector<float> weights;  // owned texels of the image below each
 
     Level(int w, int h) : width(w), height(h) {
         const auto n = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
         values.resize(n);
         owned.resize(n);
+        weights.resize(n);
     }
     std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
@@ -46,12 +50,13 @@ struct Decoder {
     void add(const std::uint8_t* texel, Value& sum) const {
         for (int c = 0; c < num_channels; ++c)
             sum[static_cast<std::size_t>(c)] +=
-                c == alpha ? static_cast<float>(texel[c]) : light[texel[c]];
+                c == alpha ? static_cast<float>(texel[c]) / 255.0F : light[texel[c]];
     }
     void encode(const Value& value, std::uint8_t* texel) const {
         for (int c = 0; c < num_channels; ++c) {
             const float v = value[static_cast<std::size_t>(c)];
-            texel[c] = c == alpha ? static_cast<std::uint8_t>(v + 0.5F) : linear_to_srgb8(v);
+            texel[c] =
+                c == alpha ? static_cast<std::uint8_t>(255.0F * v + 0.5F) : linear_to_srgb8(v);
         }
     }
 };
@@ -62,20 +67,20 @@ Level half(int width, int height) { return Level((width + 1) / 2, (height + 1) /
 template <class Owned, class Add>
 void pull_texel(Level& to, int x, int y, int width, int height, Owned&& owned, Add&& add) {
     Value sum{};
-    int count = 0;
+    float count = 0.0F;
     for (int j = 2 * y; j < std::min(2 * y + 2, height); ++j) {
         for (int i = 2 * x; i < std::min(2 * x + 2, width); ++i) {
             const std::size_t from = static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
                                      static_cast<std::size_t>(i);
             if (owned[from] == 0) continue;
-            add(from, sum);
-            ++count;
+            count += add(from, sum);
         }
     }
-    if (count == 0) return;
+    if (count == 0.0F) return;
     const std::size_t k = to.at(x, y);
     to.owned[k] = 1;
-    const float scale = 1.0F / static_cast<float>(count);
+    to.weights[k] = count;
+    const float scale = 1.0F / count;
     for (std::size_t c = 0; c < kMaxChannels; ++c) to.values[k][c] = sum[c] * scale;
 }
 
@@ -115,6 +120,7 @@ std::vector<Level> pull(const Image& page, std::span<const std::uint8_t> owned,
                     decoder.add(
                         page.pixels.data() + from * static_cast<std::size_t>(page.num_channels),
                         sum);
+                    return 1.0F;
                 });
     });
     while (levels.back().values.size() > 1) {
@@ -126,20 +132,62 @@ std::vector<Level> pull(const Image& page, std::span<const std::uint8_t> owned,
                 pull_texel(to, x, y, from.width, from.height, from.owned,
                            [&](std::size_t k, Value& sum) {
                                for (std::size_t c = 0; c < kMaxChannels; ++c)
-                                   sum[c] += from.values[k][c];
+                                   sum[c] += from.values[k][c] * from.weights[k];
+                               return from.weights[k];
                            });
         });
     }
     return levels;
 }
 
+// Fills the free ones of the four texels below (x, y) of the coarser level: smoothly, and so that
+// their mean is what is wanted there. own(i, j, value) tells whether a texel has a value.
+template <class Own, class Set>
+void push_block(const Level& coarse, int x, int y, int width, int height, Own&& own, Set&& set) {
+    const Value& wanted = coarse.values[coarse.at(x, y)];
+    std::array<Value, 4> values;
+    std::array<bool, 4> is_free{};
+    Value missing{};
+    float count = 0.0F, num_free = 0.0F;
+    for (int k = 0; k < 4; ++k) {
+        const int i = 2 * x + k % 2, j = 2 * y + k / 2;
+        if (i >= width || j >= height) continue;
+        Value& v = values[static_cast<std::size_t>(k)];
+        count += 1.0F;
+        if (!own(i, j, v)) {
+            v = interpolate(coarse, i, j);
+            is_free[static_cast<std::size_t>(k)] = true;
+            num_free += 1.0F;
+        }
+        for (std::size_t c = 0; c < kMaxChannels; ++c) missing[c] -= v[c];
+    }
+    if (num_free == 0.0F) return;
+    for (std::size_t c = 0; c < kMaxChannels; ++c)
+        missing[c] = (missing[c] + count * wanted[c]) / num_free;
+    for (int k = 0; k < 4; ++k) {
+        if (!is_free[static_cast<std::size_t>(k)]) continue;
+        Value& v = values[static_cast<std::size_t>(k)];
+        for (std::size_t c = 0; c < kMaxChannels; ++c)
+            v[c] = std::clamp(v[c] + missing[c], 0.0F, 1.0F);
+        set(2 * x + k % 2, 2 * y + k / 2, v);
+    }
+}
+
 void push(std::vector<Level>& levels, const Context& context) {
     for (std::size_t l = levels.size() - 1; l-- > 0;) {
         Level& level = levels[l];
-        for_rows(context, level.height, [&](int y) {
-            for (int x = 0; x < level.width; ++x)
-                if (level.owned[level.at(x, y)] == 0)
-                    level.values[level.at(x, y)] = interpolate(levels[l + 1], x, y);
+        const Level& coarse = levels[l + 1];
+        for_rows(context, coarse.height, [&](int y) {
+            for (int x = 0; x < coarse.width; ++x)
+                push_block(
+                    coarse, x, y, level.width, level.height,
+                    [&](int i, int j, Value& value) {
+                        value = level.values[level.at(i, j)];
+                        return level.owned[level.at(i, j)] != 0;
+                    },
+                    [&](int i, int j, const Value& value) {
+                        level.values[level.at(i, j)] = value;
+                    });
         });
     }
 }
@@ -162,13 +210,23 @@ void fill_unowned_in_place(Image& page, std::span<const std::uint8_t> owned,
     std::vector<Level> levels = pull(page, owned, decoder, context);
     if (levels.back().owned[0] == 0) return;
     push(levels, context);
-    for_rows(context, page.height, [&](int y) {
-        const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(page.width);
-        for (int x = 0; x < page.width; ++x) {
-            const std::size_t k = row + static_cast<std::size_t>(x);
-            if (owned[k] == 0)
-                decoder.encode(interpolate(levels[0], x, y), page.pixels.data() + k * channels);
-        }
+    const auto texel = [&](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(page.width) +
+               static_cast<std::size_t>(x);
+    };
+    for_rows(context, levels[0].height, [&](int y) {
+        for (int x = 0; x < levels[0].width; ++x)
+            push_block(
+                levels[0], x, y, page.width, page.height,
+                [&](int i, int j, Value& value) {
+                    if (owned[texel(i, j)] == 0) return false;
+                    value = {};
+                    decoder.add(page.pixels.data() + texel(i, j) * channels, value);
+                    return true;
+                },
+                [&](int i, int j, const Value& value) {
+                    decoder.encode(value, page.pixels.data() + texel(i, j) * channels);
+                });
     });
 }
 

@@ -1,64 +1,31 @@
 #include "texture/chart_patches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
 #include "core/parallel.h"
+#include "texture/least_box.h"
 
 namespace pointbake {
 namespace {
 
-constexpr double kStepsPerOctave = 16.0;
+constexpr int kStepsPerOctave = 16;
 constexpr int kNumLevels = 256;
-constexpr std::size_t kGrain = 1;  // charts per chunk
+constexpr std::size_t kGrain = 16;  // charts per chunk
 
-// Corners of the convex hull, counter-clockwise [Andrew79].
-std::vector<Vec2d> convex_hull(std::vector<Vec2d> points) {
-    std::sort(points.begin(), points.end(),
-              [](Vec2d a, Vec2d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-    std::vector<Vec2d> hull;
-    for (int side = 0; side < 2; ++side) {
-        const std::size_t first = hull.size();
-        for (const Vec2d p : points) {
-            while (hull.size() >= first + 2 &&
-                   cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0)
-                hull.pop_back();
-            hull.push_back(p);
-        }
-        hull.pop_back();
-        std::reverse(points.begin(), points.end());
-    }
-    return hull;
-}
-
-struct Turned {
-    Vec2d along{1.0, 0.0}, low{}, high{};
-    Vec2d place(Vec2d x) const { return {dot(along, x), cross(along, x)}; }
-};
-
-// The turn that gives points the smallest box, which has a side on their hull.
-Turned least_box(const std::vector<Vec2d>& points) {
-    const std::vector<Vec2d> hull = convex_hull(points);
-    Turned best;
-    double least = HUGE_VAL;
-    for (std::size_t i = 0; i < std::max<std::size_t>(hull.size(), 1); ++i) {
-        Turned turned;
-        if (!hull.empty()) {
-            const Vec2d edge = hull[(i + 1) % hull.size()] - hull[i];
-            if (length(edge) > 0.0) turned.along = edge / length(edge);
-        }
-        turned.low = {HUGE_VAL, HUGE_VAL};
-        turned.high = {-HUGE_VAL, -HUGE_VAL};
-        for (const Vec2d x : hull.empty() ? points : hull) {
-            const Vec2d p = turned.place(x);
-            turned.low = {std::min(turned.low.x, p.x), std::min(turned.low.y, p.y)};
-            turned.high = {std::max(turned.high.x, p.x), std::max(turned.high.y, p.y)};
-        }
-        const Vec2d size = turned.high - turned.low;
-        if (size.x * size.y < least) least = size.x * size.y, best = turned;
-    }
-    return best;
+// 2^(level / 16), by square roots: the same on every machine.
+double growth(int level) {
+    static const std::array<double, kStepsPerOctave> steps = [] {
+        std::array<double, kStepsPerOctave> out;
+        const double step = std::sqrt(std::sqrt(std::sqrt(std::sqrt(2.0))));
+        double value = 1.0;
+        for (double& s : out) s = value, value *= step;
+        return out;
+    }();
+    return std::ldexp(steps[static_cast<std::size_t>(level % kStepsPerOctave)],
+                      level / kStepsPerOctave);
 }
 
 }  // namespace
@@ -80,7 +47,7 @@ ChartPatches::ChartPatches(const Mesh& mesh, const std::vector<std::array<Index,
     std::vector<Index> next(begin_.begin(), begin_.end() - 1);
     for (Index t = 0; t < members_.size(); ++t) members_[next[charts_.of_triangle[t]]++] = t;
     turn_to_least_box();
-    sum_errors();
+    measure_charts(context);
 }
 
 // Rows of texels run downwards: y is turned over, so that charts are not mirrored in the image.
@@ -90,7 +57,7 @@ void ChartPatches::turn_to_least_box() {
         std::vector<Vec2d> points;
         for (Index i = begin_[c]; i < begin_[c + 1]; ++i)
             for (const Vec2d x : charts_.corners[members_[i]]) points.push_back(x);
-        const Turned turned = least_box(points);
+        const TurnedBox turned = least_box(points);
         extent_[c] = turned.high - turned.low;
         for (Index i = begin_[c]; i < begin_[c + 1]; ++i)
             for (Vec2d& x : charts_.corners[members_[i]]) {
@@ -105,68 +72,77 @@ bool ChartPatches::is_border(Index t, std::size_t k) const {
     return next == kInvalidIndex || charts_.of_triangle[next] != charts_.of_triangle[t];
 }
 
-double ChartPatches::density(int level) const {
-    return coarsest_ * std::exp2(level / kStepsPerOctave);
-}
+double ChartPatches::density(int level) const { return coarsest_ * growth(level); }
 
 int ChartPatches::level_of(double density) const {
-    if (!(density > coarsest_)) return 0;
-    const double level = kStepsPerOctave * std::log2(density / coarsest_);
-    return std::min(kNumLevels - 1, static_cast<int>(std::ceil(level - 1e-6)));
+    constexpr double kRounding = 1e-9;
+    int low = 0, high = kNumLevels - 1;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (this->density(middle) >= density * (1.0 - kRounding))
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return high;
 }
 
 // The error of a triangle by itself between the levels that were measured.
 double ChartPatches::triangle_error(Index t, double density) const {
-    const LevelErrors::Patch& patch = triangles_.patches[t];
-    const double base = shell_.frame(t).base();
-    const double level = std::clamp(1.0 + 2.0 * std::log2(std::max(density * base, 1e-3)), 0.0,
-                                    static_cast<double>(patch.count - 1));
-    const auto low = static_cast<std::uint8_t>(level);
-    const auto high = static_cast<std::uint8_t>(std::min<int>(low + 1, patch.count - 1));
-    const double share = level - low;
-    return (1.0 - share) * static_cast<double>(triangles_.error(t, low)) +
-           share * static_cast<double>(triangles_.error(t, high));
+    const TriangleFrame& frame = shell_.frame(t);
+    const int last = triangles_.patches[t].count - 1;
+    int high = 0;
+    while (high < last && level_density(frame, high) < density) ++high;
+    const auto finer = static_cast<double>(triangles_.error(t, static_cast<std::uint8_t>(high)));
+    const double reached = level_density(frame, high);
+    if (high == 0 || reached <= density) return finer;
+    const auto coarser =
+        static_cast<double>(triangles_.error(t, static_cast<std::uint8_t>(high - 1)));
+    const double before = level_density(frame, high - 1);
+    return coarser + (finer - coarser) * (density - before) / (reached - before);
 }
 
-void ChartPatches::sum_errors() {
+void ChartPatches::measure_charts(const Context& context) {
     double finest = 0.0, largest = 0.0;
     for (Index t = 0; t < members_.size(); ++t)
         finest = std::max(finest, level_density(shell_.frame(t), triangles_.patches[t].count - 1));
     for (const Vec2d e : extent_) largest = std::max({largest, e.x, e.y});
-    coarsest_ = std::max(finest * std::exp2(-(kNumLevels - 1) / kStepsPerOctave),
-                         largest > 0.0 ? 1.0 / largest : 1.0);
+    coarsest_ = std::max(finest / growth(kNumLevels - 1), largest > 0.0 ? 1.0 / largest : 1.0);
     area_.assign(charts_.count, 0.0);
     border_.assign(charts_.count, 0.0);
     first_.assign(charts_.count, 0);
     last_.assign(charts_.count, 0);
     is_cut_.assign(charts_.count, 0);
     squares_.assign(charts_.count, {});
-    for (Index c = 0; c < charts_.count; ++c) {
+    parallel_for(context, charts_.count, kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c) sum_errors(static_cast<Index>(c));
+    });
+}
+
+void ChartPatches::sum_errors(Index c) {
+    for (Index i = begin_[c]; i < begin_[c + 1]; ++i) {
+        const Index t = members_[i];
+        const std::array<Vec2d, 3>& x = charts_.corners[t];
+        area_[c] += 0.5 * std::fabs(cross(x[1] - x[0], x[2] - x[0]));
+        for (std::size_t k = 0; k < 3; ++k)
+            if (is_border(t, k)) border_[c] += length(x[(k + 1) % 3] - x[k]);
+        last_[c] = std::max(
+            last_[c], level_of(level_density(shell_.frame(t), triangles_.patches[t].count - 1)));
+    }
+    // Texels larger than the triangles would show what lies far around.
+    const double triangles = begin_[c + 1] - begin_[c];
+    if (area_[c] > 0.0) first_[c] = level_of(std::sqrt(triangles / (2.0 * area_[c])));
+    last_[c] = std::max(first_[c], last_[c]);
+    const double side = std::max(extent_[c].x, extent_[c].y);
+    const double room = max_side_ - 2.0 * gutter_ - 3.0;
+    while (last_[c] > 0 && density(last_[c]) * side > room) --last_[c], is_cut_[c] = 1;
+    first_[c] = std::min(first_[c], last_[c]);
+    squares_[c].resize(static_cast<std::size_t>(last_[c]) + 1);
+    for (int level = first_[c]; level <= last_[c]; ++level) {
+        double& sum = squares_[c][static_cast<std::size_t>(level)];
         for (Index i = begin_[c]; i < begin_[c + 1]; ++i) {
-            const Index t = members_[i];
-            const std::array<Vec2d, 3>& x = charts_.corners[t];
-            area_[c] += 0.5 * std::fabs(cross(x[1] - x[0], x[2] - x[0]));
-            for (std::size_t k = 0; k < 3; ++k)
-                if (is_border(t, k)) border_[c] += length(x[(k + 1) % 3] - x[k]);
-            last_[c] =
-                std::max(last_[c],
-                         level_of(level_density(shell_.frame(t), triangles_.patches[t].count - 1)));
-        }
-        // Texels larger than the triangles would show what lies far around.
-        const double triangles = begin_[c + 1] - begin_[c];
-        if (area_[c] > 0.0) first_[c] = level_of(std::sqrt(triangles / (2.0 * area_[c])));
-        last_[c] = std::max(first_[c], last_[c]);
-        const double side = std::max(extent_[c].x, extent_[c].y);
-        const double room = max_side_ - 2.0 * gutter_ - 3.0;
-        while (last_[c] > 0 && density(last_[c]) * side > room) --last_[c], is_cut_[c] = 1;
-        first_[c] = std::min(first_[c], last_[c]);
-        squares_[c].resize(static_cast<std::size_t>(last_[c]) + 1);
-        for (int level = first_[c]; level <= last_[c]; ++level) {
-            double& sum = squares_[c][static_cast<std::size_t>(level)];
-            for (Index i = begin_[c]; i < begin_[c + 1]; ++i) {
-                const double e = triangle_error(members_[i], density(level));
-                sum += triangles_.patches[members_[i]].area * e * e;
-            }
+            const double e = triangle_error(members_[i], density(level));
+            sum += triangles_.patches[members_[i]].area * e * e;
         }
     }
 }

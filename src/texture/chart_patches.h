@@ -1,6 +1,8 @@
 // Charts as patches: their shapes at any density, and how large the errors of their triangles are.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "texture/charts.h"
@@ -58,7 +60,8 @@ class ChartPatches {
 
  private:
     void turn_to_least_box();
-    void sum_errors();
+    void measure_charts(const Context& context);
+    void sum_errors(Index chart);
     double triangle_error(Index t, double density) const;
     int level_of(double density) const;
 

@@ -9,17 +9,20 @@
 
 #include "core/parallel.h"
 #include "texture/flatten.h"
+#include "texture/least_box.h"
 
 namespace pointbake {
 namespace {
 
-constexpr double kLeastCosine = 0.5;  // of a normal to the axis; flattening does the rest
-constexpr double kCompact = 0.1;      // how much roundness counts next to flatness
-constexpr int kGrowRounds = 12;       // of growing from better seeds
+constexpr double kLeastCosine = 0.5;        // of a normal to the axis; flattening does the rest
+constexpr double kLeastMergedCosine = 0.3;  // once more than one proxy has grown together
+constexpr double kCompact = 0.1;            // how much roundness counts next to flatness
+constexpr int kGrowRounds = 12;             // of growing from better seeds
 constexpr int kStraightenRounds = 16;
-constexpr int kConeSteps = 32;     // of the search for an axis
-constexpr int kLeastCells = 4096;  // of the grid on which near sheets are looked for
-constexpr int kMostCells = 512;    // per side of the grid on which crossings are
+constexpr double kFullEnough = 0.55;  // of the smallest box: charts that are merged pack well
+constexpr int kConeSteps = 32;        // of the search for an axis
+constexpr int kLeastCells = 4096;     // of the grid on which near sheets are looked for
+constexpr int kMostCells = 512;       // per side of the grid on which crossings are
 
 struct Face {
     Vec3d normal;  // unit length; zero for triangles without an area
@@ -309,7 +312,8 @@ class Grower {
             const Index farthest = farthest_from(axis, triangles);
             apart = {farthest, farthest_from(faces_[farthest].normal, triangles)};
             const Vec3d normal = faces_[farthest].normal;
-            if (!(faces_[farthest].area > 0.0) || dot(normal, axis) >= kLeastCosine) return axis;
+            if (!(faces_[farthest].area > 0.0) || dot(normal, axis) >= kLeastMergedCosine)
+                return axis;
             axis = normalized(axis + (normal - axis) / (step + 1.0));
         }
         return found;
@@ -552,13 +556,30 @@ class Grower {
                 tried[pair] = sizes;
                 std::pair<Index, Index> apart;
                 std::optional<Chart> both = lay_out(a.triangles, b.triangles, apart);
-                if (!both) continue;
+                if (!both || !is_full_enough(a, b, *both)) continue;
                 for (const Index t : b.triangles) chart_of_[t] = pair.first;
                 a = std::move(*both);
                 b = {};
                 merged = true;
             }
         }
+    }
+
+    // How much of the smallest box around it a chart fills: charts that fill little pack badly.
+    double fullness(const Chart& chart) const {
+        std::vector<Vec2d> points;
+        double area = 0.0;
+        for (const auto& c : chart.corners) {
+            points.insert(points.end(), c.begin(), c.end());
+            area += 0.5 * cross(c[1] - c[0], c[2] - c[0]);
+        }
+        const double box = least_box(points).area();
+        return box > 0.0 ? area / box : 1.0;
+    }
+
+    bool is_full_enough(const Chart& a, const Chart& b, const Chart& both) const {
+        const double full = fullness(both);
+        return full >= kFullEnough || full >= std::min(fullness(a), fullness(b));
     }
 
     std::vector<Pair> pairs_by_border() const {

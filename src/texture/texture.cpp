@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/adjacency.h"
@@ -30,6 +31,30 @@ std::vector<Vec3f> map_values(const PointCloud& cloud, MapKind kind, const Footp
     return values;
 }
 
+// The leaves of a tree of medians, along the longest side of the box at each branch: values that
+// follow each other are alike.
+void sort_by_likeness(std::span<Index> items, std::span<const Vec3f> values) {
+    if (items.size() < 3) return;
+    Box box;
+    for (const Index i : items) box.extend(vec_cast<double>(values[i]));
+    const Vec3d e = box.extent();
+    const std::size_t axis = e.x >= e.y && e.x >= e.z ? 0 : (e.y >= e.z ? 1 : 2);
+    const auto middle = items.begin() + static_cast<std::ptrdiff_t>(items.size() / 2);
+    std::nth_element(items.begin(), middle, items.end(), [&](Index a, Index b) {
+        return values[a][axis] != values[b][axis] ? values[a][axis] < values[b][axis] : a < b;
+    });
+    sort_by_likeness({items.begin(), middle}, values);
+    sort_by_likeness({middle, items.end()}, values);
+}
+
+std::vector<Index> order_by_likeness(std::span<const Vec3f> values) {
+    std::vector<Index> order(values.size()), rank(values.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    sort_by_likeness(order, values);
+    for (Index i = 0; i < order.size(); ++i) rank[order[i]] = i;
+    return rank;
+}
+
 }  // namespace
 
 struct TextureBaker::Impl {
@@ -46,6 +71,7 @@ struct TextureBaker::Impl {
     Sharpened sharpened;
     LevelErrors levels;  // of triangles
     std::optional<ChartPatches> charts;
+    std::vector<Index> likeness;  // per patch: its place in an order in which neighbours are alike
 
     Impl(const Mesh& m, const PointCloud& c, std::span<const Index> owners, const TextureOptions& o,
          const Context& context)
@@ -71,13 +97,30 @@ struct TextureBaker::Impl {
         if (kind == MapKind::kColor)
             for (const Vec3f& value : sharpened.values) linear.push_back(value_to_linear(value));
         report_progress(context, "texture", 0.3);
+        log(context, LogLevel::kDebug, "texture: {} rounds of sharpening", sharpened.rounds);
         if (options.keep_uvs) return;
+        log(context, LogLevel::kDebug, "texture: measuring triangles");
         levels = measure_levels(scene, cloud, source().map, options, context);
         report_progress(context, "texture", 0.6);
         if (options.atlas == AtlasKind::kCharts)
-            charts.emplace(mesh, neighbors, shell, levels, options.max_side,
-                           std::ldexp(1.0, options.mips), context);
+            log(context, LogLevel::kDebug, "texture: growing charts"),
+                charts.emplace(mesh, neighbors, shell, levels, options.max_side,
+                               std::ldexp(1.0, options.mips), context);
+        likeness = order_by_likeness(patch_means());
         report_progress(context, "texture", 0.7);
+    }
+    /// Mean value of the points of each patch; grey where it has none.
+    std::vector<Vec3f> patch_means() const {
+        std::vector<Vec3f> sums(num_patches());
+        std::vector<float> counts(num_patches(), 0.0F);
+        for (Index t = 0; t < mesh.triangles.size(); ++t) {
+            const Index patch = charts ? charts->charts().of_triangle[t] : t;
+            for (Index i = prints.begin[t]; i < prints.begin[t + 1]; ++i)
+                sums[patch] += raw[i], counts[patch] += 1.0F;
+        }
+        for (std::size_t p = 0; p < sums.size(); ++p)
+            sums[p] = counts[p] > 0.0F ? sums[p] / counts[p] : Vec3f{0.5F, 0.5F, 0.5F};
+        return sums;
     }
     std::size_t num_patches() const { return charts ? charts->size() : mesh.triangles.size(); }
     std::uint8_t first_within(std::size_t patch, double bound) const {
@@ -158,8 +201,10 @@ TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed,
     }
     plan.shapes.resize(num_patches);
     parallel_for(context, num_patches, kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p)
+        for (std::size_t p = begin; p < end; ++p) {
             plan.shapes[p] = impl_->need(p, plan.levels[p]).shape;
+            plan.shapes[p].likeness = impl_->likeness[p];
+        }
     });
     return plan;
 }
