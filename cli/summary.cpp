@@ -35,7 +35,7 @@ std::string cap_reasons(const CappedCounts& capped) {
     append(capped.by_count, "that have 8 texels per point already");
     append(capped.by_size, "as large as --max-patch or --page-size allow");
     append(capped.by_budget, "for want of --texels");
-    append(capped.by_layout, "by the given layout");
+    append(capped.by_layout, "that share texels with others");
     return text;
 }
 

@@ -67,7 +67,7 @@ struct CappedCounts {
     Index by_count = 0;    ///< 8 texels per point
     Index by_size = 0;     ///< longest side of a patch or page
     Index by_budget = 0;   ///< --texels
-    Index by_layout = 0;   ///< --keep-uvs: shares its texels with others, or has none
+    Index by_layout = 0;   ///< shares its texels with others, or has none
     Index total() const { return by_spacing + by_count + by_size + by_budget + by_layout; }
 };
 
@@ -85,7 +85,15 @@ struct TextureReport {
     std::uint64_t num_patches = 0, num_needed_texels = 0;
     double payload_texels =
         0.0;  ///< surface area in texels: sum of the triangles' areas in the pages
-    double texel_spacing_median = 0.0;  ///< cloud units
+    double largest_stretch =
+        1.0;  ///< charts: of lengths on the surface to those in the page, either way
+    /// How much of the surface has at least so many texels per unit, and less than twice as many;
+    /// coarse to fine, powers of two.
+    struct Density {
+        double texels_per_unit = 0.0;
+        double area_share = 0.0;
+    };
+    std::vector<Density> densities;
 };
 
 /// Sizes chosen for all patches: what the atlas packs.

@@ -94,6 +94,9 @@ std::optional<Packing> pack_into(std::span<const PatchShape> shapes,
         largest.width = std::max(largest.width, page.width);
         largest.height = std::max(largest.height, page.height);
     }
+    // Bitmaps may be turned.
+    if (options.packer == Packer::kBitmap)
+        largest.width = largest.height = std::max(largest.width, largest.height);
     validate(shapes, largest);
     check_cancelled(context);
     return Tries(shapes, options, context).into(pages);

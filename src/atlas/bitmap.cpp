@@ -12,7 +12,6 @@ namespace pointbake {
 namespace {
 
 constexpr std::size_t kMostTries = 16, kMostPlacings = 2000;  // of other orders
-constexpr std::int64_t kSmall = 300;                          // a share of all texels
 using Word = std::uint64_t;
 constexpr int kWordBits = 64;
 constexpr int kNumPoses = 8;  // two directions, mirrored or not in both axes

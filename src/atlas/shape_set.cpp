@@ -26,7 +26,10 @@ ShapeSet::ShapeSet(std::span<const PatchShape> shapes) : items_(shapes.size()) {
         item.width = shapes[i].width();
         item.num_texels = static_cast<int>(shapes[i].num_texels());
         num_texels_ += item.num_texels;
+        item.tint = static_cast<double>(shapes[i].likeness) / static_cast<double>(shapes.size());
+        has_tints_ = has_tints_ || shapes[i].likeness != 0;
         max_width_ = std::max(max_width_, item.width);
+        max_height_ = std::max(max_height_, item.height);
     }
     std::sort(items_.begin(), items_.end(), [&](const Item& a, const Item& b) {
         if (a.height != b.height) return a.height > b.height;

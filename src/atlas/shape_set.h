@@ -22,8 +22,8 @@ constexpr int num_blocks(int rows) { return (rows + kBlock - 1) / kBlock; }
 /// The padding: farther left than any edge.
 inline constexpr std::int16_t kNoEdge = INT16_MAX;
 
-/// Shapes by rank: tallest first, then by width and rows, and by position in the input only where
-/// two are the same. So the packing does not depend on the order in which shapes come.
+/// Shapes by rank: tallest first, then by width and rows, and by position in the input
+/// only where two are the same. So the packing does not depend on the order in which shapes come.
 class ShapeSet {
  public:
     explicit ShapeSet(std::span<const PatchShape> shapes);
@@ -32,6 +32,7 @@ class ShapeSet {
         Index shape = 0;  ///< position in the input
         int height = 0, width = 0;
         int num_texels = 0;
+        double tint = 0.0;      ///< where its likeness stands among those of all, 0 to 1
         std::size_t first = 0;  ///< of its four profiles, each of num_blocks(height) blocks
         int group = 0;          ///< the same for shapes with the same rows
     };
@@ -40,7 +41,8 @@ class ShapeSet {
     const Item& operator[](int rank) const { return items_[static_cast<std::size_t>(rank)]; }
     std::int64_t num_texels() const { return num_texels_; }
     int max_width() const { return max_width_; }
-    int max_height() const { return items_.empty() ? 0 : items_.front().height; }
+    int max_height() const { return max_height_; }
+    bool has_tints() const { return has_tints_; }  ///< some likeness was given
 
     /// Free texels left of each row of the bounding box.
     const std::int16_t* left_profile(int rank, int pose) const {
@@ -53,7 +55,8 @@ class ShapeSet {
     std::vector<Item> items_;
     std::vector<std::int16_t> profiles_;
     std::int64_t num_texels_ = 0;
-    int max_width_ = 0;
+    int max_width_ = 0, max_height_ = 0;
+    bool has_tints_ = false;
 };
 
 /// Throws Error{kInvalidInput} unless every row of every shape has a texel and the first column is

@@ -75,6 +75,9 @@ Json to_json(const SimplifyReport& r) {
 }
 
 Json to_json(const TextureReport& r) {
+    Json densities = Json::array();
+    for (const TextureReport::Density& d : r.densities)
+        densities.push_back({{"texels_per_unit", d.texels_per_unit}, {"area", d.area_share}});
     return {{"bound", r.bound},
             {"bound_met", r.bound_met},
             {"error_to_splats",
@@ -96,7 +99,8 @@ Json to_json(const TextureReport& r) {
             {"needed_texels", r.num_needed_texels},
             {"payload_texels", r.payload_texels},
             {"uncovered_texels", r.num_uncovered_texels},
-            {"texel_spacing_median", r.texel_spacing_median}};
+            {"largest_stretch", r.largest_stretch},
+            {"densities", densities}};
 }
 
 Json to_json(const AtlasReport& r) {

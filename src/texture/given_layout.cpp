@@ -181,6 +181,8 @@ class GivenPainter {
     }
 
     CapCount why_capped(Index t, TriangleGauge& gauge, const PatchLayout& layout) const {
+        gauge.look_at(t);
+        gauge.place_probes();
         if (is_paintable_[t] == 0 ||
             static_cast<double>(gauge.error(gauge.texels(layout))) <= limits_.bound)
             return &CappedCounts::by_layout;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "core/message.h"
 #include "core/parallel.h"
@@ -342,9 +343,8 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
     const std::size_t num_triangles = is_paintable_.size();
     std::vector<float> errors(num_triangles, 0.0F);
     std::vector<double> areas(num_triangles);
-    std::vector<CapCount> caps(num_triangles, nullptr);
     parallel_for(context_, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
-        TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
+        TriangleGauge gauge(source_.scene, source_.cloud, source_.map, source_.is_paper);
         for (std::size_t i = begin; i < end; ++i) {
             const Index t = static_cast<Index>(i);
             areas[t] = source_.scene.shell.frame(t).area();
@@ -361,15 +361,57 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
                 raw.measure(t, read);
                 errors[t] = gauge.error(read);
             }
-            if (static_cast<double>(errors[t]) > bound) caps[t] = cap(t, gauge);
         }
     });
     TextureReport& report = out_.report;
     report.bound = bound;
     raw.summarise(report);
+    errors = pool_small(errors, areas);
+    std::vector<CapCount> caps(num_triangles, nullptr);
+    parallel_for(context_, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
+        TriangleGauge gauge(source_.scene, source_.cloud, source_.map, source_.is_paper);
+        for (std::size_t t = begin; t < end; ++t)
+            if (static_cast<double>(errors[t]) > bound) caps[t] = cap(static_cast<Index>(t), gauge);
+    });
     for (const CapCount c : caps)
         if (c) ++(report.capped.*c);
     summarise_distribution(std::move(errors), areas, report);
+    report.densities = densities(areas);
+}
+
+std::vector<TextureReport::Density> PagePainter::densities(std::span<const double> areas) const {
+    std::map<int, double> by_octave;
+    double whole = 0.0;
+    for (Index t = 0; t < areas.size(); ++t) {
+        if (!is_paintable(t)) continue;
+        by_octave[std::ilogb(1.0 / layout_.triangles[t].pitch())] += areas[t];
+        whole += areas[t];
+    }
+    std::vector<TextureReport::Density> out;
+    for (const auto& [octave, area] : by_octave)
+        out.push_back({std::ldexp(1.0, octave), area / whole});
+    return out;
+}
+
+// Few points make no RMS: triangles with fewer than that are judged with those around.
+std::vector<float> PagePainter::pool_small(const std::vector<float>& errors,
+                                           std::span<const double> areas) const {
+    constexpr std::size_t kEnoughPoints = 8;
+    std::vector<float> out = errors;
+    for (Index t = 0; t < errors.size(); ++t) {
+        if (source_.scene.prints.of(t).size() >= kEnoughPoints) continue;
+        double squares = 0.0, area = 0.0;
+        const auto add = [&](Index i) {
+            const auto e = static_cast<double>(errors[i]);
+            squares += areas[i] * e * e;
+            area += areas[i];
+        };
+        add(t);
+        for (const Index next : source_.scene.neighbors[t])
+            if (next != kInvalidIndex) add(next);
+        if (area > 0.0) out[t] = static_cast<float>(std::sqrt(squares / area));
+    }
+    return out;
 }
 
 std::uint64_t PagePainter::num_shared() const {

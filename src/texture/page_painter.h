@@ -34,7 +34,8 @@ class PagePainter {
     /// Makes texels that are coarser than the points fit them, and both sides of every border show
     /// the same. Colours only.
     void fit();
-    /// Errors on the pages. `cap` tells why a triangle is above the bound, looking at it.
+    /// Errors on the pages. `cap` tells why a triangle is above the bound, with a gauge to look at
+    /// it.
     void measure(double bound, const std::function<CapCount(Index, TriangleGauge&)>& cap);
 
     bool is_paintable(Index triangle) const { return is_paintable_[triangle] != 0; }
@@ -60,6 +61,9 @@ class PagePainter {
     void add_samples(TexelFit& fit) const;
     void add_border(Index triangle, std::size_t k, TexelFit& fit) const;
     Vec3f read_page(Index triangle, Vec2f place) const;
+    std::vector<TextureReport::Density> densities(std::span<const double> areas) const;
+    std::vector<float> pool_small(const std::vector<float>& errors,
+                                  std::span<const double> areas) const;
     bool has_texel(Index page, int x, int y) const;
 
     const PaintSource source_;

@@ -15,6 +15,7 @@ struct PaintSource {
     const PointCloud& cloud;
     MapValues map;
     std::span<const Vec3f> raw;  ///< the points' own values, per item of the footprints
+    bool is_paper = false;       ///< errors by [Wicke05] eq. (1)
 };
 
 /// Pages of zeros that no patch owns yet, with a material each.

@@ -150,8 +150,11 @@ struct TextureBaker::Impl {
     }
     PageLayout page_layout(const TexturePlan& plan, std::span<const PageSize> pages,
                            std::span<const Placement> placements) const;
+    double largest_stretch(const PageLayout& layout, const TexturePlan& plan) const;
     CapCount why_capped(Index t, const TexturePlan& plan, double bound) const;
-    PaintSource source() const { return {scene, cloud, {kind, sharpened.values, linear}, raw}; }
+    PaintSource source() const {
+        return {scene, cloud, {kind, sharpened.values, linear}, raw, options.paper};
+    }
 };
 
 TextureBaker::TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
@@ -275,6 +278,26 @@ PageLayout TextureBaker::Impl::page_layout(const TexturePlan& plan, std::span<co
     return out;
 }
 
+// Of the written layout against the density of each chart.
+double TextureBaker::Impl::largest_stretch(const PageLayout& layout,
+                                           const TexturePlan& plan) const {
+    double worst = 1.0;
+    for (Index t = 0; t < layout.triangles.size(); ++t) {
+        const PatchLayout& l = layout.triangles[t];
+        const double density = charts->density(plan.levels[charts->charts().of_triangle[t]]);
+        const Vec2d x = vec_cast<double>(l.column_x) / density,
+                    y = vec_cast<double>(l.column_y) / density;
+        const double det = std::fabs(cross(x, y));
+        if (det == 0.0) continue;
+        // Singular values from their squares' sum and their product.
+        const double sum = dot(x, x) + dot(y, y);
+        const double root = std::sqrt(std::max(sum * sum - 4.0 * det * det, 0.0));
+        const double high = std::sqrt(0.5 * (sum + root));
+        worst = std::max({worst, high, high / det});
+    }
+    return worst;
+}
+
 CapCount TextureBaker::Impl::why_capped(Index t, const TexturePlan& plan, double bound) const {
     const std::size_t patch = charts ? charts->charts().of_triangle[t] : t;
     const std::uint8_t chosen = plan.levels[patch], wanted = first_within(patch, bound);
@@ -308,6 +331,7 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
     }
     impl_->describe(out.report);
     out.report.num_patches = plan.levels.size();
+    if (impl_->charts) out.report.largest_stretch = impl_->largest_stretch(layout, plan);
     return out;
 }
 

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <numeric>
 
 #include "atlas/random_shapes.h"
@@ -10,6 +12,12 @@
 
 namespace pointbake {
 namespace {
+
+bool is_gap(const PatchShape& shape, int i, int j) {
+    return std::any_of(shape.gaps.begin(), shape.gaps.end(), [&](const PatchShape::Gap& gap) {
+        return gap.row == j && i >= gap.span.left && i <= gap.span.right;
+    });
+}
 
 // Every needed texel lies in a page, and no two shapes own the same.
 void expect_valid(const std::vector<PatchShape>& shapes, const Packing& packing) {
@@ -29,8 +37,11 @@ void expect_valid(const std::vector<PatchShape>& shapes, const Packing& packing)
         for (int j = 0; j < h; ++j) {
             const PatchShape::Span row = shapes[s].rows[static_cast<std::size_t>(j)];
             for (int i = row.left; i <= row.right; ++i) {
-                const int x = at.x + (at.mirror_x ? w - 1 - i : i);
-                const int y = at.y + (at.mirror_y ? h - 1 - j : j);
+                if (is_gap(shapes[s], i, j)) continue;
+                const int across = at.mirror_x ? w - 1 - i : i;
+                const int down = at.mirror_y ? h - 1 - j : j;
+                const int x = at.x + (at.transposed ? down : across);
+                const int y = at.y + (at.transposed ? across : down);
                 ASSERT_TRUE(x >= 0 && x < page.width && y >= 0 && y < page.height) << "shape " << s;
                 std::uint8_t& texel = owned[at.page][static_cast<std::size_t>(y * page.width + x)];
                 ASSERT_EQ(texel, 0) << "shape " << s << " at " << x << ' ' << y;
@@ -76,6 +87,86 @@ TEST(Pack, KeepsShapesApartInSetsOfAnySize) {
             }
         }
     }
+}
+
+// A disc of texels, with a hole.
+PatchShape ring(int radius, int hole) {
+    const int side = 2 * radius + 1;
+    std::vector<std::uint8_t> marked;
+    for (int y = -radius; y <= radius; ++y)
+        for (int x = -radius; x <= radius; ++x) {
+            const int d2 = x * x + y * y;
+            marked.push_back(d2 <= radius * radius && d2 >= hole * hole ? 1 : 0);
+        }
+    return need_set(marked, side).shape;
+}
+
+PatchShape rectangle(int width, int height) {
+    const std::vector<std::uint8_t> marked(static_cast<std::size_t>(width * height), 1);
+    return need_set(marked, width).shape;
+}
+
+constexpr AtlasOptions kBitmap{.page_size = 1024, .packer = Packer::kBitmap};
+
+TEST(PackBitmap, KeepsShapesOfAnyKindApart) {
+    std::vector<PatchShape> shapes;
+    for (int i = 0; i < 60; ++i) {
+        shapes.push_back(ring(4 + i % 23, i % 5));
+        shapes.push_back(rectangle(1 + (7 * i) % 31, 1 + (11 * i) % 17));
+    }
+    for (const PatchShape& shape : log_normal_shapes(200, 12, 0.6)) shapes.push_back(shape);
+    const Packing packing = pack(shapes, kBitmap);
+    expect_valid(shapes, packing);
+    expect_sides(packing, kBitmap);
+    EXPECT_GT(packing.fill(), 0.8);
+}
+
+TEST(PackBitmap, LaysShapesIntoHolesOfOthers) {
+    // The ring takes the whole page, and its hole the discs.
+    std::vector<PatchShape> shapes{ring(31, 20)};
+    for (int i = 0; i < 4; ++i) shapes.push_back(ring(7, 0));
+    const auto packing = pack_into(shapes, std::vector{PageSize{63, 63}}, kBitmap);
+    ASSERT_TRUE(packing);
+    expect_valid(shapes, *packing);
+}
+
+TEST(PackBitmap, TurnsShapesThatFitNoOtherWay) {
+    const std::vector<PatchShape> shapes{rectangle(20, 100), rectangle(100, 20)};
+    const auto packing = pack_into(shapes, std::vector{PageSize{100, 40}}, kBitmap);
+    ASSERT_TRUE(packing);
+    expect_valid(shapes, *packing);
+    EXPECT_TRUE(packing->placements[0].transposed);
+}
+
+TEST(PackBitmap, FillsAPageThatHoldsThemExactly) {
+    const std::vector<PatchShape> shapes(16, rectangle(32, 16));
+    EXPECT_TRUE(pack_into(shapes, std::vector{PageSize{128, 64}}, kBitmap));
+    EXPECT_FALSE(pack_into(shapes, std::vector{PageSize{128, 63}}, kBitmap));
+}
+
+TEST(Pack, PutsLikeShapesSideBySide) {
+    // As a viewer's mip levels see it: the spread of likeness within cells of 32 texels.
+    std::vector<PatchShape> shapes = log_normal_shapes(4000, 12, 0.4);
+    const auto spread = [](const std::vector<PatchShape>& of, const Packing& packing) {
+        std::map<std::array<int, 3>, std::array<double, 3>> cells;
+        for (std::size_t i = 0; i < of.size(); ++i) {
+            const Placement& at = packing.placements[i];
+            auto& [n, sum, squares] = cells[{static_cast<int>(at.page), at.x / 32, at.y / 32}];
+            const double v = static_cast<double>((i * 7919) % 4000) / 4000;
+            n += 1, sum += v, squares += v * v;
+        }
+        double inside = 0.0;
+        for (const auto& [cell, c] : cells) inside += c[2] - c[1] * c[1] / c[0];
+        return inside / static_cast<double>(of.size());
+    };
+    const Packing plain = pack(shapes);
+    const double before = spread(shapes, plain);
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+        shapes[i].likeness = static_cast<Index>((i * 7919) % 4000);
+    const Packing sorted = pack(shapes);
+    expect_valid(shapes, sorted);
+    EXPECT_LT(spread(shapes, sorted), 0.35 * before);
+    EXPECT_GT(sorted.fill(), plain.fill() - 0.04);
 }
 
 TEST(Pack, OfNothingIsNothing) {

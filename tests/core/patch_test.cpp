@@ -53,6 +53,23 @@ bool square_meets_triangle(const Corners& corners, int x, int y) {
     return true;
 }
 
+TEST(NeedSet, OfMarkedTexelsKnowsTheirGaps) {
+    const std::vector<std::uint8_t> marked{0, 0, 0, 0, 0, 0,  //
+                                           0, 0, 1, 0, 1, 0,  //
+                                           0, 1, 1, 1, 1, 1,  //
+                                           0, 0, 1, 0, 0, 1};
+    const NeedSet set = need_set(marked, 6);
+    EXPECT_EQ(set.offset_x, 1);
+    EXPECT_EQ(set.offset_y, 1);
+    EXPECT_EQ(set.shape.width(), 5);
+    EXPECT_EQ(set.shape.height(), 3);
+    EXPECT_EQ(set.shape.num_texels(), 9);
+    ASSERT_EQ(set.shape.gaps.size(), 2U);
+    EXPECT_EQ(set.shape.gaps[1].row, 2);
+    EXPECT_EQ(set.shape.gaps[1].span.left, 2);
+    EXPECT_EQ(set.shape.gaps[1].span.right, 3);
+}
+
 void expect_exact(const Corners& corners) {
     const NeedSet set = need_set(corners);
     for (int y = set.offset_y - 2; y < set.offset_y + set.shape.height() + 2; ++y)

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "pointbake/error.h"
 #include "texture/coding.h"
@@ -138,6 +139,48 @@ TEST(Texture, ScalingTheModelChangesNothing) {
     ASSERT_EQ(a.model.images.size(), b.model.images.size());
     for (std::size_t i = 0; i < a.model.images.size(); ++i)
         EXPECT_EQ(a.model.images[i].pixels, b.model.images[i].pixels);
+}
+
+TEST(Texture, AChartShowsTheTruth) {
+    const Painted p = painted_square(80, wave);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const TexturePlan plan = baker.plan(2.0, kNoBudget);
+    ASSERT_EQ(plan.shapes.size(), 1U) << "two triangles in a plane are one chart";
+    const BakedTexture baked = bake_apart(baker, plan, 2.0);
+    EXPECT_TRUE(baked.report.bound_met);
+    EXPECT_LE(baked.report.error_max, 2.0);
+    EXPECT_LE(baked.report.largest_stretch, 1.0001);
+    EXPECT_LT(rms_against(baked.model, wave), 2.5);
+    EXPECT_TRUE(baked.model.images[0].has_mips);
+    double share = 0.0;
+    for (const TextureReport::Density& d : baked.report.densities) share += d.area_share;
+    EXPECT_NEAR(share, 1.0, 1e-9);
+}
+
+TEST(Texture, ChartsFillTheirGutters) {
+    const Painted p = painted_square(40, wave);
+    TextureOptions wide;
+    wide.mips = 3;
+    const TextureBaker narrow(p.mesh, p.cloud, p.owners, {}, {}),
+        baker(p.mesh, p.cloud, p.owners, wide, {});
+    const TexturePlan a = narrow.plan(3.0, kNoBudget), b = baker.plan(3.0, kNoBudget);
+    // 4 and 8 texels around it.
+    EXPECT_EQ(b.shapes[0].width() - a.shapes[0].width(), 8);
+    const BakedTexture baked = bake_apart(baker, b);
+    const auto owned = std::accumulate(baked.owned[0].begin(), baked.owned[0].end(), 0);
+    EXPECT_EQ(owned, b.shapes[0].num_texels());
+}
+
+TEST(Texture, CoarseTexelsFitWhatIsBetweenThem) {
+    // Texels of two points' width: sampled at their centres they would flatten the waves.
+    const auto fine = [](double x, double y) {
+        const double v = 0.5 + 0.25 * std::sin(40.0 * x) * std::sin(40.0 * y);
+        return Vec3d{v, v, v};
+    };
+    const Painted p = painted_square(60, fine);
+    const TextureBaker baker(p.mesh, p.cloud, p.owners, {}, {});
+    const BakedTexture baked = bake_apart(baker, baker.plan(HUGE_VAL, 1600));
+    EXPECT_LT(rms_against(baked.model, fine), 7.0);
 }
 
 TEST(Texture, SameBytesForAnyNumberOfThreads) {

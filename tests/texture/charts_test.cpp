@@ -1,0 +1,181 @@
+// Charts on surfaces whose shape is known.
+#include "texture/charts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/adjacency.h"
+#include "support/shapes.h"
+#include "texture/flatten.h"
+
+namespace pointbake {
+namespace {
+
+Charts charts_of(const Mesh& mesh) {
+    return grow_charts(mesh, triangle_neighbors(mesh.triangles), {});
+}
+
+double area_of(const std::array<Vec2d, 3>& c) { return 0.5 * cross(c[1] - c[0], c[2] - c[0]); }
+
+// Largest singular value of the map from a triangle to its chart's plane, or one over the smallest.
+double stretch_of(const Mesh& mesh, Index t, const std::array<Vec2d, 3>& flat) {
+    const Triangle& tri = mesh.triangles[t];
+    const Vec3d b = mesh.positions[tri[1]] - mesh.positions[tri[0]],
+                c = mesh.positions[tri[2]] - mesh.positions[tri[0]];
+    const double l = length(b), h = length(cross(b, c)) / l, foot = dot(b, c) / l;
+    const Vec2d x = (flat[1] - flat[0]) / l, y = (flat[2] - flat[0] - x * foot) / h;
+    const double det = cross(x, y), sum = dot(x, x) + dot(y, y);
+    const double high =
+        std::sqrt(0.5 * (sum + std::sqrt(std::max(0.0, sum * sum - 4 * det * det))));
+    return std::max(high, high / det);
+}
+
+// What every layout must hold.
+void expect_good(const Mesh& mesh, const Charts& charts) {
+    const auto neighbors = triangle_neighbors(mesh.triangles);
+    for (Index t = 0; t < mesh.triangles.size(); ++t) {
+        ASSERT_LT(charts.of_triangle[t], charts.count);
+        EXPECT_GT(area_of(charts.corners[t]), 0.0) << "turned over: " << t;
+        EXPECT_LE(stretch_of(mesh, t, charts.corners[t]), kMaxChartStretch + 1e-9);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Index next = neighbors[t][k];
+            if (next == kInvalidIndex || charts.of_triangle[next] != charts.of_triangle[t])
+                continue;
+            const Triangle& other = mesh.triangles[next];
+            for (std::size_t j = 0; j < 3; ++j)
+                if (other[j] == mesh.triangles[t][k]) {
+                    EXPECT_EQ(charts.corners[next][j], charts.corners[t][k]) << "torn: " << t;
+                }
+        }
+    }
+    // No two triangles of a chart cover the same: neither holds the middle of the other.
+    for (Index a = 0; a < mesh.triangles.size(); ++a)
+        for (Index b = 0; b < mesh.triangles.size(); ++b) {
+            if (a == b || charts.of_triangle[a] != charts.of_triangle[b]) continue;
+            const auto& c = charts.corners[a];
+            const auto& d = charts.corners[b];
+            const Vec2d m = (d[0] + d[1] + d[2]) / 3.0;
+            const bool holds = cross(c[1] - c[0], m - c[0]) > 0.0 &&
+                               cross(c[2] - c[1], m - c[1]) > 0.0 &&
+                               cross(c[0] - c[2], m - c[2]) > 0.0;
+            EXPECT_FALSE(holds) << a << " covers " << b;
+        }
+}
+
+// n x m quads over place(s, t), s and t in [0, 1].
+template <class Place>
+Mesh sheet(int n, int m, Place&& place) {
+    Mesh mesh;
+    for (int j = 0; j <= m; ++j)
+        for (int i = 0; i <= n; ++i)
+            mesh.positions.push_back(place(static_cast<double>(i) / n, static_cast<double>(j) / m));
+    for (int j = 0; j < m; ++j)
+        for (int i = 0; i < n; ++i) {
+            const auto a = static_cast<Index>(j * (n + 1) + i), b = a + 1,
+                       c = a + static_cast<Index>(n) + 1, d = c + 1;
+            mesh.triangles.push_back({a, b, d});
+            mesh.triangles.push_back({a, d, c});
+        }
+    return mesh;
+}
+
+TEST(Charts, AFlatSheetIsOneChartWithoutStretch) {
+    const Mesh mesh = sheet(8, 5, [](double s, double t) { return Vec3d{s, t, 0.3 * s}; });
+    const Charts charts = charts_of(mesh);
+    expect_good(mesh, charts);
+    EXPECT_EQ(charts.count, 1U);
+    for (Index t = 0; t < mesh.triangles.size(); ++t)
+        EXPECT_NEAR(stretch_of(mesh, t, charts.corners[t]), 1.0, 1e-7);
+}
+
+TEST(Charts, AHalfCylinderUnrolls) {
+    // 110 degrees: a projection would stretch its ends by 1.7.
+    const Mesh mesh = sheet(24, 6, [](double s, double t) {
+        const double a = (s - 0.5) * 1.92;
+        return Vec3d{std::sin(a), 0.5 * t, std::cos(a)};
+    });
+    const Charts charts = charts_of(mesh);
+    expect_good(mesh, charts);
+    EXPECT_EQ(charts.count, 1U);
+}
+
+TEST(Charts, ASphereTakesAFew) {
+    const Mesh mesh = sheet(40, 20, [](double s, double t) {
+        const double a = 6.283185307179586 * s, b = 0.05 + 3.04 * t;
+        return Vec3d{std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), -std::cos(b)};
+    });
+    const Charts charts = charts_of(mesh);
+    expect_good(mesh, charts);
+    EXPECT_LE(charts.count, 12U);
+}
+
+TEST(Charts, ASpiralStairIsNotLaidOverItself) {
+    // Two turns of a ramp: seen from above the second lies over the first.
+    const Mesh mesh = sheet(80, 3, [](double s, double t) {
+        const double a = 12.5 * s, r = 0.5 + 0.5 * t;
+        return Vec3d{r * std::cos(a), r * std::sin(a), 0.4 * s};
+    });
+    const Charts charts = charts_of(mesh);
+    expect_good(mesh, charts);
+    EXPECT_GE(charts.count, 2U);
+}
+
+TEST(Charts, SoupIsAChartEach) {
+    Mesh mesh;
+    for (Index i = 0; i < 50; ++i) {
+        const double x = i;
+        for (const Vec3d p : {Vec3d{x, 0, 0}, Vec3d{x + 0.5, 0, 0}, Vec3d{x, 0.5, 0.1 * x}})
+            mesh.positions.push_back(p);
+        mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const Charts charts = charts_of(mesh);
+    expect_good(mesh, charts);
+    EXPECT_EQ(charts.count, 50U);
+}
+
+TEST(Charts, TrianglesWithoutAnAreaAreNoTrouble) {
+    Mesh mesh = sheet(4, 4, [](double s, double t) { return Vec3d{s, t, 0.0}; });
+    mesh.positions.push_back({7, 7, 7});
+    mesh.triangles.push_back({0, 1, 1});
+    mesh.triangles.push_back({25, 25, 25});
+    const Charts charts = charts_of(mesh);
+    for (const Index c : charts.of_triangle) EXPECT_LT(c, charts.count);
+}
+
+TEST(Charts, ThreeSheetsOnAnEdgeStayApart) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0.5, 0}, {-1, 0.5, 0.1}, {0, 0.5, 1}};
+    mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 4, 1}};
+    expect_good(mesh, charts_of(mesh));
+}
+
+TEST(Flatten, GivesUpOnWhatCannotBe) {
+    // A tall cone: nothing lays it flat without a cut.
+    Mesh mesh;
+    mesh.positions.push_back({0, 0, 3});
+    FlatCorners corners;
+    std::vector<Index> all;
+    constexpr Index kSides = 12;
+    for (Index i = 0; i < kSides; ++i) {
+        const double a = 6.283185307179586 * i / kSides;
+        mesh.positions.push_back({std::cos(a), std::sin(a), 0});
+    }
+    for (Index i = 0; i < kSides; ++i) {
+        const Triangle t{0, 1 + i, 1 + (i + 1) % kSides};
+        std::array<Vec2d, 3> flat;
+        for (std::size_t k = 0; k < 3; ++k)
+            flat[k] = {mesh.positions[t[k]].x, mesh.positions[t[k]].y};
+        mesh.triangles.push_back(t);
+        corners.push_back(flat);
+        all.push_back(i);
+    }
+    EXPECT_FALSE(flatten(mesh, all, corners));
+    // Half of it is no trouble.
+    EXPECT_TRUE(flatten(mesh, std::span(all).first(kSides / 2),
+                        {corners.begin(), corners.begin() + kSides / 2}));
+}
+
+}  // namespace
+}  // namespace pointbake
