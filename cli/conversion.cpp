@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "core/memory.h"
+#include "core/message.h"
 #include "core/parallel.h"
 #include "files.h"
 #include "summary.h"
@@ -46,6 +47,12 @@ void check_options(const Job& job) {
              to_word(job.stop.stop_after));
 }
 
+void make_folder(std::string_view option, const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) fail(ErrorCode::kOutput, "--{} {}: {}", option, folder.string(), error.message());
+}
+
 /// Before the long work: can everything be written where it shall go?
 void check_outputs(const Job& job) {
     std::vector<fs::path> taken = job.inputs;
@@ -67,11 +74,13 @@ void check_outputs(const Job& job) {
         check(job.output, kModelExtensions);
     check(job.files.write_points, kPointExtensions);
     check(job.files.report, json);
-    if (job.files.work_dir.empty() || job.limits.dry_run) return;
-    std::error_code error;
-    fs::create_directories(job.files.work_dir, error);
-    if (error)
-        fail(ErrorCode::kOutput, "--work-dir {}: {}", job.files.work_dir.string(), error.message());
+    if (job.limits.dry_run) return;
+    if (!job.files.debug_maps.empty()) {
+        make_folder("debug-maps", job.files.debug_maps);
+        check_writable(job.files.debug_maps / "coverage-0.png", taken);
+    }
+    if (job.files.work_dir.empty()) return;
+    make_folder("work-dir", job.files.work_dir);
     check_writable(job.files.work_dir / "options.json", taken);
 }
 
@@ -128,6 +137,7 @@ class Run {
         if (report_.last_stage == Stage::kLoad) return loaded_only(std::move(input));
         ConvertOptions options = job_.convert;
         options.stop_after = job_.stop.stop_after;
+        options.texture.debug_maps = !job_.files.debug_maps.empty();
         StageObserver observer;
         if (!job_.files.work_dir.empty()) {
             write_text(job_.files.work_dir / "options.json", job_.all_options + "\n");
@@ -165,6 +175,12 @@ class Run {
         if (!job_.files.write_points.empty())
             write_points(result.cloud, off_surface(result.light), job_.files.write_points,
                          context_);
+    }
+
+    void write_debug_maps(const ConvertResult& result) {
+        if (job_.files.debug_maps.empty()) return;
+        for (const DebugMap& map : result.debug_maps)
+            write_png(map.image, job_.files.debug_maps / (map.name + ".png"), context_);
     }
 
     void tell() {
@@ -206,6 +222,7 @@ ConvertResult run_job(const Job& job, Console& console, const std::stop_token& s
     }
     ConvertResult result = run.convert(std::move(input));
     run.write_rows(result);
+    run.write_debug_maps(result);
     const bool is_failure = run.fails_strict();
     if (!is_failure) run.write(result);
     run.tell();

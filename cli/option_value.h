@@ -79,6 +79,13 @@ struct OptionValue<ByteSize> {
 };
 
 template <>
+struct OptionValue<HexColor> {
+    static std::string placeholder() { return "RRGGBB"; }
+    static HexColor parse(std::string_view text) { return parse_hex_color(text); }
+    static std::string json(HexColor value) { return json_string(to_string(value)); }
+};
+
+template <>
 struct OptionValue<std::string> {
     static std::string placeholder() { return "TEXT"; }
     static std::string parse(std::string_view text) { return std::string(text); }

@@ -72,6 +72,7 @@ struct FileOptions {
     std::filesystem::path work_dir;
     std::filesystem::path write_points;
     std::filesystem::path report;
+    std::filesystem::path debug_maps;
     template <class Field>
     static void describe(Field&& field) {
         field("work-dir", &FileOptions::work_dir,
@@ -80,6 +81,8 @@ struct FileOptions {
               "write every input row as PLY, with `kept` and `reason`");
         field("report", &FileOptions::report,
               "write what was found, done and measured as JSON; - writes to stdout");
+        field("debug-maps", &FileOptions::debug_maps,
+              "write coverage, error and density of the texels into this folder, as PNG");
     }
 };
 

@@ -84,12 +84,25 @@ Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& option
     return {std::move(plan), std::move(packing.pages), std::move(packing.placements)};
 }
 
-BakeResult finish(BakedTexture baked, std::vector<PageSize> pages, const Context& context) {
-    for (std::size_t i = 0; i < pages.size(); ++i)
-        fill_unowned_in_place(baked.model.images[i], baked.owned[i], context);
+void paint_unowned(Image& page, std::span<const std::uint8_t> owned, HexColor color) {
+    for (std::size_t i = 0; i < owned.size(); ++i)
+        if (owned[i] == 0)
+            page.pixels[3 * i] = color.r, page.pixels[3 * i + 1] = color.g,
+                            page.pixels[3 * i + 2] = color.b;
+}
+
+BakeResult finish(BakedTexture baked, std::vector<PageSize> pages, const TextureOptions& options,
+                  const Context& context) {
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+        if (options.debug_background)
+            paint_unowned(baked.model.images[i], baked.owned[i], *options.debug_background);
+        else
+            fill_unowned_in_place(baked.model.images[i], baked.owned[i], context);
+    }
     report_progress(context, "texture", 1.0);
     BakeResult out;
     out.model = std::move(baked.model);
+    out.debug_maps = std::move(baked.debug_maps);
     out.texture = baked.report;
     out.atlas.num_texels = num_texels(pages);
     const auto all = static_cast<double>(out.atlas.num_texels);
@@ -129,7 +142,7 @@ BakeResult pack_and_bake(const Mesh& mesh, const PointCloud& cloud, std::span<co
     Fitted fitted = fit(baker, bound, options, context);
     report_progress(context, "texture", 0.85);
     BakedTexture baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
-    return finish(std::move(baked), std::move(fitted.pages), context);
+    return finish(std::move(baked), std::move(fitted.pages), texture, context);
 }
 
 BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
@@ -146,7 +159,8 @@ BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
             num_texels(scaled_pages(proportions, kNoBudget, options.atlas).back()) > texels};
     const TextureBaker baker(mesh, cloud, owners, options.texture, context);
     GivenBake baked = baker.bake_given(layout, limits, context);
-    BakeResult out = finish(std::move(baked.texture), std::move(baked.pages), context);
+    BakeResult out =
+        finish(std::move(baked.texture), std::move(baked.pages), options.texture, context);
     if (baked.num_shared_texels > 0)
         out.warnings.push_back(
             fmt::format("--keep-uvs: {} texels lie in several triangles (a mirrored or repeated "

@@ -13,6 +13,7 @@ namespace pointbake {
 
 struct BakeResult {
     TexturedMesh model;
+    std::vector<DebugMap> debug_maps;
     TextureReport texture;
     AtlasReport atlas;
     std::vector<std::string> warnings;

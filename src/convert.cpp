@@ -160,6 +160,10 @@ void validate(const ConvertOptions& options) {
     if (options.texture.texture_error && !(*options.texture.texture_error >= 0.0))
         fail(ErrorCode::kInvalidOption, "texture-error is {}: 0 or more is accepted",
              *options.texture.texture_error);
+    constexpr int kMostMips = 6;
+    if (options.texture.mips < 0 || options.texture.mips > kMostMips)
+        fail(ErrorCode::kInvalidOption, "mips is {}: 0 to {} are accepted", options.texture.mips,
+             kMostMips);
     if (options.simplify.triangles > 0 && (options.simplify.keep_mesh || options.texture.keep_uvs))
         fail(ErrorCode::kInvalidOption,
              "--triangles does not go with a mesh that is kept (--keep-mesh, --keep-uvs)");
@@ -216,6 +220,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                                         result.light.point_triangles, layout, options, context);
         for (std::string& warning : baked.warnings) warn(result, context, std::move(warning));
         result.model = std::move(baked.model);
+        result.debug_maps = std::move(baked.debug_maps);
         const bool open = has_border(result.model.mesh);
         for (Material& material : result.model.materials) material.is_double_sided = open;
         result.report.texture = baked.texture;

@@ -67,6 +67,7 @@ struct ConvertResult {
     DenseMesh dense;
     SimplifyResult light;
     TexturedMesh model;
+    std::vector<DebugMap> debug_maps;  ///< with options.texture.debug_maps
     ConvertReport report;
 };
 

@@ -36,6 +36,14 @@ constexpr Length units(double u) { return {Length::Kind::kUnits, u}; }
 Length parse_length(std::string_view text);
 std::string to_string(const Length& length);
 
+/// An 8-bit colour, like "ff00ff".
+struct HexColor {
+    std::uint8_t r = 0, g = 0, b = 0;
+};
+/// Throws Error{kInvalidOption} naming what would be accepted.
+HexColor parse_hex_color(std::string_view text);
+std::string to_string(HexColor color);
+
 /// The words of an enum, in the order of its values (0, 1, ...). Specialise as
 ///     template <> struct EnumWords<Shading> { static constexpr std::string_view words[] =
 ///     {"unlit", "lit"}; };

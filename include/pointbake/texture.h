@@ -38,6 +38,8 @@ struct TextureOptions {
     int max_side = 4096;  ///< of a chart: what a page has room for
     bool paper = false;
     bool keep_uvs = false;
+    std::optional<HexColor> debug_background;
+    bool debug_maps = false;  ///< BakedTexture::debug_maps are made
     template <class Field>
     static void describe(Field&& field) {
         field("texture-error", &TextureOptions::texture_error,
@@ -58,6 +60,8 @@ struct TextureOptions {
         field("keep-uvs", &TextureOptions::keep_uvs,
               "bake into the texture coordinates of the given mesh, which stays as it is");
         field("paper", &TextureOptions::paper, "all choices of Wicke, Olibet, Gross 2005");
+        field("debug-background", &TextureOptions::debug_background,
+              "texels that no patch needs get this colour instead of one that suits mip levels");
     }
 };
 
@@ -104,12 +108,22 @@ struct TexturePlan {
     bool all_at_cap = false;           ///< no patch could use more texels
 };
 
+/// A picture of what a page's texels are, as large as the page.
+struct DebugMap {
+    std::string name;  ///< "coverage-0", "error-0", "density-0", ...
+    Image image;
+};
+
 /// A model whose pages are filled where patches need them.
 struct BakedTexture {
     TexturedMesh model;
     std::vector<std::vector<std::uint8_t>>
         owned;  ///< per page, one byte per texel: 1 = a patch needs it
     TextureReport report;
+    /// If asked for. Coverage: white inside a triangle, grey in a gutter. Error: RMS of the
+    /// triangle that owns the texel, 16 levels of grey per 8-bit step. Density: grey is the
+    /// median, 32 levels lighter for each doubling.
+    std::vector<DebugMap> debug_maps;
 };
 
 /// A layout that a mesh brings along: its texture coordinates, and a page for each of its

@@ -43,4 +43,19 @@ std::string to_string(const Length& length) {
                                                   : fmt::format("{}", length.value);
 }
 
+HexColor parse_hex_color(std::string_view text) {
+    unsigned value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value, 16);
+    if (text.size() != 6 || error != std::errc{} || stop != end)
+        fail(ErrorCode::kInvalidOption, "'{}' is not a colour: expected six digits like ff00ff",
+             text);
+    return {static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8 & 255U),
+            static_cast<std::uint8_t>(value & 255U)};
+}
+
+std::string to_string(HexColor color) {
+    return fmt::format("{:02x}{:02x}{:02x}", color.r, color.g, color.b);
+}
+
 }  // namespace pointbake

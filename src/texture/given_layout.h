@@ -7,8 +7,8 @@
 
 namespace pointbake {
 
-/// As TextureBaker::bake_given.
+/// As TextureBaker::bake_given; with maps if asked for.
 GivenBake paint_given(const PaintSource& source, const GivenLayout& layout,
-                      const GivenLimits& limits, const Context& context);
+                      const GivenLimits& limits, bool debug_maps, const Context& context);
 
 }  // namespace pointbake

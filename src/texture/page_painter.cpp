@@ -375,6 +375,7 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
     });
     for (const CapCount c : caps)
         if (c) ++(report.capped.*c);
+    errors_ = errors;
     summarise_distribution(std::move(errors), areas, report);
     report.densities = densities(areas);
 }
@@ -391,6 +392,35 @@ std::vector<TextureReport::Density> PagePainter::densities(std::span<const doubl
     for (const auto& [octave, area] : by_octave)
         out.push_back({std::ldexp(1.0, octave), area / whole});
     return out;
+}
+
+void PagePainter::draw_debug_maps() {
+    constexpr float kGreyPerStep = 16.0F;
+    constexpr double kGreyPerOctave = 32.0, kMedianGrey = 128.0;
+    std::vector<double> densities;
+    for (Index t = 0; t < errors_.size(); ++t)
+        if (is_paintable(t)) densities.push_back(1.0 / layout_.triangles[t].pitch());
+    if (densities.empty()) return;
+    const auto middle = densities.begin() + static_cast<std::ptrdiff_t>(densities.size() / 2);
+    std::nth_element(densities.begin(), middle, densities.end());
+    const auto grey = [](double v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0, 255.0)); };
+    for (std::size_t page = 0; page < owners_.size(); ++page) {
+        const PageSize size = layout_.pages[page];
+        const auto map = [&](const char* name, auto&& value) {
+            Image image{size.width, size.height, 1, {}};
+            for (const TexelOwner& owner : owners_[page])
+                image.pixels.push_back(owner.triangle == kInvalidIndex ? 0 : value(owner));
+            out_.debug_maps.push_back({fmt::format("{}-{}", name, page), std::move(image)});
+        };
+        map("coverage", [&](const TexelOwner& owner) { return grey(owner.is_inside ? 255 : 96); });
+        map("error", [&](const TexelOwner& owner) {
+            return grey(static_cast<double>(kGreyPerStep * errors_[owner.triangle]));
+        });
+        map("density", [&](const TexelOwner& owner) {
+            const double ratio = 1.0 / layout_.triangles[owner.triangle].pitch() / *middle;
+            return grey(kMedianGrey + kGreyPerOctave * std::log2(ratio));
+        });
+    }
 }
 
 // Few points make no RMS: triangles with fewer than that are judged with those around.

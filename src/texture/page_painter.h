@@ -34,6 +34,8 @@ class PagePainter {
     /// Makes texels that are coarser than the points fit them, and both sides of every border show
     /// the same. Colours only.
     void fit();
+    /// Pictures of the pages; after measure().
+    void draw_debug_maps();
     /// Errors on the pages. `cap` tells why a triangle is above the bound, with a gauge to look at
     /// it.
     void measure(double bound, const std::function<CapCount(Index, TriangleGauge&)>& cap);
@@ -71,7 +73,8 @@ class PagePainter {
     const Context& context_;
     std::vector<std::uint8_t> is_paintable_;  // per triangle
     std::vector<std::vector<TexelOwner>> owners_;
-    TexelFit::Values values_;  // of the texels, not rounded
+    std::vector<float> errors_;  // per triangle
+    TexelFit::Values values_;    // of the texels, not rounded
     BakedTexture out_;
 };
 

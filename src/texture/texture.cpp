@@ -320,6 +320,7 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
     painter.fit();
     painter.measure(bound,
                     [&](Index t, TriangleGauge&) { return impl_->why_capped(t, plan, bound); });
+    if (impl_->options.debug_maps) painter.draw_debug_maps();
     BakedTexture out = painter.take();
     for (Index t = 0; t < layout.triangles.size(); ++t) {
         const PageSize page = pages[layout.triangle_pages[t]];
@@ -337,7 +338,8 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
 
 GivenBake TextureBaker::bake_given(const GivenLayout& layout, const GivenLimits& limits,
                                    const Context& context) const {
-    GivenBake out = paint_given(impl_->source(), layout, limits, context);
+    GivenBake out =
+        paint_given(impl_->source(), layout, limits, impl_->options.debug_maps, context);
     impl_->describe(out.texture.report);
     return out;
 }

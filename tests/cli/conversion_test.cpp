@@ -45,6 +45,28 @@ TEST_F(Conversion, WritesAGlbBesideTheInputAndASummaryToStderr) {
     EXPECT_THAT(done.err, testing::Not(HasSubstr("\033"))) << "a bar off the terminal";
 }
 
+TEST_F(Conversion, DrawsWhatTheTexelsAreWhenAsked) {
+    run_well({"in.ply", "out.glb", "--triangles", "300", "--debug-maps", "maps",
+              "--debug-background", "ff00ff"});
+    EXPECT_THAT(folder_.files(), ElementsAre("in.ply", "maps", "out.glb"));
+    for (const char* name : {"coverage-0", "error-0", "density-0"})
+        EXPECT_THAT(folder_.read(fmt::format("maps/{}.png", name)), testing::StartsWith("\x89PNG"));
+}
+
+TEST_F(Conversion, RefusesWhatIsNoColour) {
+    const ProgramRun done = run({"in.ply", "--debug-background", "magenta"});
+    EXPECT_EQ(done.exit_code, 2);
+    EXPECT_THAT(done.err, HasSubstr("'magenta' is not a colour: expected six digits like ff00ff"));
+}
+
+TEST_F(Conversion, ChartsAreSampledWithMipLevelsAndTrianglesWithout) {
+    run_well({"in.ply", "charts.glb", "--triangles", "300"});
+    run_well({"in.ply", "triangles.glb", "--triangles", "300", "--atlas", "triangles"});
+    EXPECT_THAT(folder_.read("charts.glb"), HasSubstr("\"minFilter\":9987"));
+    EXPECT_THAT(folder_.read("triangles.glb"), HasSubstr("\"minFilter\":9729"));
+    EXPECT_EQ(run({"in.ply", "--mips", "9"}).exit_code, 2);
+}
+
 TEST_F(Conversion, OverwritesAnOldOutput) {
     folder_.write("out.glb", "old");
     run_well({"in.ply", "out.glb", "--triangles", "200"});
