@@ -84,8 +84,9 @@ struct TextureReport {
     double raw_rms = 0.0,
            raw_p99 = 0.0;       ///< texture against the points' own colours, over all points
     int sharpening_rounds = 0;  ///< chosen by leave-out prediction
-    std::uint64_t num_hidden_points = 0;     ///< seen from behind, or under another layer
-    std::uint64_t num_uncovered_texels = 0;  ///< no splat reached them; filled from neighbours
+    std::uint64_t num_hidden_points = 0;  ///< seen from behind, or under another layer
+    std::uint64_t num_uncovered_texels =
+        0;  ///< inside a triangle, but no splat reached them; filled from those around
     std::uint64_t num_patches = 0, num_needed_texels = 0;
     double payload_texels =
         0.0;  ///< surface area in texels: sum of the triangles' areas in the pages

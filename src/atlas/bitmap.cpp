@@ -11,7 +11,8 @@
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kMostTries = 16, kMostPlacings = 2000;  // of other orders
+constexpr std::size_t kMostTries = 12, kMostPlacings = 2000;  // of other orders
+constexpr int kRowsPerStep = 64;
 using Word = std::uint64_t;
 constexpr int kWordBits = 64;
 constexpr int kNumPoses = 8;  // two directions, mirrored or not in both axes
@@ -38,6 +39,29 @@ std::vector<Run> runs_of(const PatchShape& shape) {
         }
         out.push_back({row, left, span.right + 1 - left});
     }
+    return out;
+}
+
+// The blocks of texels that a shape has any of.
+Posed in_blocks(const PatchShape& shape, int block) {
+    Posed out{(shape.width() + block - 1) / block, (shape.height() + block - 1) / block, {}};
+    std::vector<std::uint8_t> row(static_cast<std::size_t>(out.width), 0);
+    const auto flush = [&](int y) {
+        for (int x = 0; x < out.width; ++x) {
+            if (row[static_cast<std::size_t>(x)] == 0) continue;
+            const int left = x;
+            while (x < out.width && row[static_cast<std::size_t>(x)] != 0) ++x;
+            out.runs.push_back({y, left, x - left});
+        }
+        std::fill(row.begin(), row.end(), std::uint8_t{0});
+    };
+    int at = 0;
+    for (const Run& run : runs_of(shape)) {
+        if (run.row / block != at) flush(at), at = run.row / block;
+        for (int x = run.left / block; x <= (run.left + run.length - 1) / block; ++x)
+            row[static_cast<std::size_t>(x)] = 1;
+    }
+    flush(at);
     return out;
 }
 
@@ -161,10 +185,20 @@ class FreeBits {
     std::vector<int> longest_;  // per row: its longest free run
 };
 
-// The longest runs first: they tell soonest that there is no room.
+// The longest run first, then rows far apart from each other (in the order of their reversed bits):
+// that tells soonest that there is no room.
 void sort_for_search(Posed& shape) {
+    const auto spread = [&](const Run& run) {
+        unsigned place = static_cast<unsigned>(256 * run.row / shape.height), out = 0;
+        for (int bit = 0; bit < 8; ++bit, place >>= 1) out = 2 * out + (place & 1U);
+        return out;
+    };
     std::stable_sort(shape.runs.begin(), shape.runs.end(),
-                     [](const Run& a, const Run& b) { return a.length > b.length; });
+                     [&](const Run& a, const Run& b) { return spread(a) < spread(b); });
+    const auto longest =
+        std::max_element(shape.runs.begin(), shape.runs.end(),
+                         [](const Run& a, const Run& b) { return a.length < b.length; });
+    std::rotate(shape.runs.begin(), longest, longest + 1);
 }
 
 struct Found {
@@ -182,10 +216,20 @@ class OpenPage {
         for (int pose = 0; pose < static_cast<int>(poses.size()); ++pose) {
             const Posed& shape = poses[static_cast<std::size_t>(pose)];
             int& first = first_row_[size_class(shape)];
+            // Large shapes take large steps, and the last one back by single rows.
+            const int step = 1 + shape.height / kRowsPerStep;
             int y = first, x = -1;
-            while (y + shape.height < best_end && (x = free_.leftmost(shape, y)) < 0) ++y;
-            first = y;
-            if (x < 0) continue;
+            while (y + shape.height < best_end && (x = free_.leftmost(shape, y)) < 0) y += step;
+            if (x < 0) {
+                first = std::max(first, y - step);
+                continue;
+            }
+            for (int above = y - 1; above > std::max(first, y - step); --above) {
+                const int there = free_.leftmost(shape, above);
+                if (there < 0) break;
+                x = there, y = above;
+            }
+            first = std::max(first, y - step);
             best = {x, y, pose};
             best_end = y + shape.height;
         }
@@ -209,8 +253,8 @@ class OpenPage {
     std::map<SizeClass, int> first_row_;
 };
 
-std::vector<Posed> poses_of(const PatchShape& shape) {
-    const Posed upright{shape.width(), shape.height(), runs_of(shape)};
+std::vector<Posed> poses_of(const PatchShape& shape, int block) {
+    const Posed upright = in_blocks(shape, block);
     const Posed turned = transposed(upright);
     std::vector<Posed> out;
     for (int pose = 0; pose < kNumPoses; ++pose)
@@ -269,14 +313,50 @@ std::vector<Index> packing_order(std::span<const PatchShape> shapes) {
     return order;
 }
 
+// Large pages of large shapes are packed by blocks of so many texels a side.
+int block_size(std::span<const PatchShape> shapes, std::span<const PageSize> pages) {
+    constexpr int kMostBlocks = 1024;             // per side of a page
+    constexpr std::int64_t kBlocksOfAShape = 32;  // per side, in the mean
+    int side = 0;
+    std::int64_t texels = 0;
+    for (const PageSize page : pages) side = std::max({side, page.width, page.height});
+    for (const PatchShape& shape : shapes) texels += shape.num_texels();
+    const auto mean = texels / static_cast<std::int64_t>(std::max<std::size_t>(shapes.size(), 1));
+    int block = 1;
+    while (side > kMostBlocks * block &&
+           std::int64_t{4} * block * block * kBlocksOfAShape * kBlocksOfAShape <= mean)
+        block *= 2;
+    for (const PageSize page : pages)
+        while (page.width % block != 0 || page.height % block != 0) block /= 2;
+    return block;
+}
+
+// Mirrored shapes end where their last block does.
+std::vector<Placement> in_texels(std::vector<Placement> placements,
+                                 std::span<const PatchShape> shapes, int block) {
+    for (std::size_t i = 0; i < placements.size(); ++i) {
+        Placement& at = placements[i];
+        const auto rest = [&](int size) { return (size + block - 1) / block * block - size; };
+        const int right = at.mirror_x ? rest(shapes[i].width()) : 0,
+                  lower = at.mirror_y ? rest(shapes[i].height()) : 0;
+        at.x = at.x * block + (at.transposed ? lower : right);
+        at.y = at.y * block + (at.transposed ? right : lower);
+    }
+    return placements;
+}
+
 }  // namespace
 
 std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> shapes,
                                                   std::span<const PageSize> pages,
                                                   const Context& context) {
+    const int block = block_size(shapes, pages);
+    std::vector<PageSize> in_blocks;
+    for (const PageSize page : pages)
+        in_blocks.push_back({page.width / block, page.height / block});
     std::vector<std::vector<Posed>> poses(shapes.size());
     parallel_for(context, shapes.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) poses[i] = poses_of(shapes[i]);
+        for (std::size_t i = begin; i < end; ++i) poses[i] = poses_of(shapes[i], block);
     });
     std::vector<Index> order = packing_order(shapes);
     std::vector<Placement> placements(shapes.size());
@@ -284,8 +364,8 @@ std::optional<std::vector<Placement>> pack_bitmap(std::span<const PatchShape> sh
     const std::size_t tries =
         1 + std::min<std::size_t>(kMostTries, kMostPlacings / (1 + order.size()));
     for (std::size_t i = 0; i < tries; ++i) {
-        const int failed = pack_in_order(poses, order, pages, placements, context);
-        if (failed < 0) return placements;
+        const int failed = pack_in_order(poses, order, in_blocks, placements, context);
+        if (failed < 0) return in_texels(std::move(placements), shapes, block);
         std::rotate(order.begin(), order.begin() + failed, order.begin() + failed + 1);
     }
     return std::nullopt;

@@ -172,9 +172,8 @@ void PagePainter::paint() {
             const PatchLayout& layout = layout_.triangles[t];
             gauge.look_at(t, gutter(t) * layout.pitch());
             PatchTexels texels = gauge.texels(layout, std::move(owned));
-            num_uncovered += texels.num_uncovered;
             settle_tangent(source_, t, {}, texels, out_.model);
-            copy(t, texels);
+            num_uncovered += copy(t, texels);
         }
         return num_uncovered;
     };
@@ -185,7 +184,9 @@ void PagePainter::paint() {
             out_.owned[page][i] = owners_[page][i].triangle != kInvalidIndex;
 }
 
-void PagePainter::copy(Index t, const PatchTexels& texels) {
+// How many of its texels inside the triangle no splat reached.
+std::uint64_t PagePainter::copy(Index t, const PatchTexels& texels) {
+    std::uint64_t num_uncovered = 0;
     const Index page = layout_.triangle_pages[t];
     Image& image = out_.model.images[page];
     for (int row = 0; row < texels.need.shape.height(); ++row) {
@@ -198,10 +199,12 @@ void PagePainter::copy(Index t, const PatchTexels& texels) {
             if (owner.triangle != t || owner.x != x || owner.y != y) continue;
             const Texel texel = texels.texel(i, row);
             values_[page][at] = texels.value(i, row);
+            if (owner.is_inside && texels.is_uncovered[texels.at(i, row)] != 0) ++num_uncovered;
             std::copy(texel.begin(), texel.end(),
                       image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * at));
         }
     }
+    return num_uncovered;
 }
 
 namespace {

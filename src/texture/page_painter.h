@@ -59,7 +59,7 @@ class PagePainter {
     void claim_gutter(Index triangle);
     bool is_border(Index triangle, std::size_t k) const;
     NeedSet owned_by(Index triangle) const;
-    void copy(Index triangle, const PatchTexels& texels);
+    std::uint64_t copy(Index triangle, const PatchTexels& texels);
     void add_samples(TexelFit& fit) const;
     void add_border(Index triangle, std::size_t k, TexelFit& fit) const;
     Vec3f read_page(Index triangle, Vec2f place) const;

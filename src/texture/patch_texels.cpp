@@ -154,6 +154,7 @@ PatchTexels splat_patch(const LocalField& field, const MapValues& map, const Pat
         accumulate(screen, field.kernel(), patch.need, width, linear);
     }
     patch.values.resize(num_texels);
+    patch.is_uncovered.assign(num_texels, 0);
     for (int row = 0; row < height; ++row) {
         const PatchShape::Span span = patch.need.shape.rows[static_cast<std::size_t>(row)];
         for (int i = span.left; i <= span.right; ++i) {
@@ -170,7 +171,7 @@ PatchTexels splat_patch(const LocalField& field, const MapValues& map, const Pat
                           static_cast<float>(row + patch.need.offset_y)};
             const SplatSum wide = field.evaluate(layout.place_of(u), map.values);
             if (wide.weight > 0.0F) value = wide.sum / wide.weight;
-            ++patch.num_uncovered;
+            patch.is_uncovered[at] = 1;
         }
     }
     encode_texels(patch, map.kind);

@@ -38,18 +38,18 @@ inline constexpr double kOneTexel = 0.0;  ///< density of the one-texel patch
 struct PatchTexels {
     PatchLayout layout;
     NeedSet need;
-    std::vector<Vec3f> values;        ///< width * height, as coding.h has them
-    std::vector<std::uint8_t> coded;  ///< 3 per texel
-    std::uint64_t num_uncovered = 0;
+    std::vector<Vec3f> values;               ///< width * height, as coding.h has them
+    std::vector<std::uint8_t> coded;         ///< 3 per texel
+    std::vector<std::uint8_t> is_uncovered;  ///< no splat reached it; filled from those around
 
     int width() const { return need.shape.width(); }
-    Vec3f value(int x, int y) const {
-        return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) +
-                      static_cast<std::size_t>(x)];
+    std::size_t at(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) +
+               static_cast<std::size_t>(x);
     }
+    Vec3f value(int x, int y) const { return values[at(x, y)]; }
     Texel texel(int x, int y) const {
-        const auto i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) +
-                            static_cast<std::size_t>(x));
+        const std::size_t i = 3 * at(x, y);
         return {coded[i], coded[i + 1], coded[i + 2]};
     }
 };
@@ -61,7 +61,7 @@ struct TexelFilter {
 };
 
 /// Splats the gathered field into some texels of a patch of the given layout (EWA, [Zwicker01]).
-/// Texels that no splat reaches take the widened splats' value and are counted.
+/// Texels that no splat reaches take the widened splats' value.
 PatchTexels splat_patch(const LocalField& field, const MapValues& map, const PatchLayout& layout,
                         NeedSet need, TexelFilter filter);
 

@@ -1,5 +1,6 @@
 #include "texture/texel_fit.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -7,52 +8,42 @@
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kRowGrain = 16;
+constexpr std::size_t kGrain = 1 << 13;  // unknowns per chunk
 constexpr int kMaxSteps = 40;
 constexpr double kPrecision = 1e-4;  // residual over that of the start
 
-using Values = TexelFit::Values;
+using Vector = std::vector<Vec3f>;
 
-Values zeros_like(const Values& values) {
-    Values out;
-    for (const std::vector<Vec3f>& page : values) out.emplace_back(page.size());
-    return out;
-}
-
-double dot_all(const Values& a, const Values& b, const Context& context) {
-    double sum = 0.0;
-    for (std::size_t p = 0; p < a.size(); ++p) {
-        constexpr std::size_t kGrain = 1 << 14;
-        sum += parallel_reduce(
-            context, a[p].size(), kGrain, 0.0,
-            [&](std::size_t begin, std::size_t end) {
-                double part = 0.0;
-                for (std::size_t i = begin; i < end; ++i)
-                    part += static_cast<double>(dot(a[p][i], b[p][i]));
-                return part;
-            },
-            std::plus<>());
-    }
-    return sum;
+double dot_all(const Vector& a, const Vector& b, const Context& context) {
+    return parallel_reduce(
+        context, a.size(), kGrain, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+            double part = 0.0;
+            for (std::size_t i = begin; i < end; ++i) part += static_cast<double>(dot(a[i], b[i]));
+            return part;
+        },
+        std::plus<>());
 }
 
 template <class Update>
-void for_all(const Values& values, const Context& context, Update&& update) {
-    constexpr std::size_t kGrain = 1 << 14;
-    for (std::size_t p = 0; p < values.size(); ++p)
-        parallel_for(context, values[p].size(), kGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) update(p, i);
-        });
+void for_all(std::size_t size, const Context& context, Update&& update) {
+    parallel_for(context, size, kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) update(i);
+    });
 }
 
 }  // namespace
 
 TexelFit::TexelFit(std::span<const PageSize> pages, const Values& start)
-    : pages_(pages.begin(), pages.end()), start_(start), right_(zeros_like(start)) {
+    : pages_(pages.begin(), pages.end()), start_(start) {
+    std::size_t size = 0;
     for (const std::vector<Vec3f>& page : start) {
-        matrix_.emplace_back(page.size());
-        prior_.emplace_back(page.size());
+        first_of_page_.push_back(size);
+        size += page.size();
     }
+    matrix_.resize(size);
+    prior_.resize(size);
+    right_.resize(size);
 }
 
 std::optional<TexelFit::Tap> TexelFit::tap(Index page, Vec2d texel) const {
@@ -67,112 +58,156 @@ std::optional<TexelFit::Tap> TexelFit::tap(Index page, Vec2d texel) const {
         page, first, {(1.0F - fx) * (1.0F - fy), fx * (1.0F - fy), (1.0F - fx) * fy, fx * fy}};
 }
 
-Vec3f TexelFit::read(const Values& values, const Tap& tap) const {
-    const std::vector<Vec3f>& v = values[tap.page];
-    const auto w = static_cast<std::size_t>(pages_[tap.page].width);
-    return v[tap.first] * tap.weights[0] + v[tap.first + 1] * tap.weights[1] +
-           v[tap.first + w] * tap.weights[2] + v[tap.first + w + 1] * tap.weights[3];
+std::array<std::size_t, 4> TexelFit::texels_of(const Tap& tap) const {
+    const std::size_t first = first_of_page_[tap.page] + tap.first;
+    const auto below = first + static_cast<std::size_t>(pages_[tap.page].width);
+    return {first, first + 1, below, below + 1};
 }
 
-void TexelFit::scatter(const Tap& tap, Vec3f value, Values& to) const {
-    std::vector<Vec3f>& v = to[tap.page];
-    const auto w = static_cast<std::size_t>(pages_[tap.page].width);
-    v[tap.first] += value * tap.weights[0];
-    v[tap.first + 1] += value * tap.weights[1];
-    v[tap.first + w] += value * tap.weights[2];
-    v[tap.first + w + 1] += value * tap.weights[3];
+Vec3f TexelFit::read_start(const Tap& tap) const {
+    Vec3f sum;
+    const std::array<std::size_t, 4> at = texels_of(tap);
+    for (std::size_t k = 0; k < 4; ++k)
+        sum += start_[tap.page][at[k] - first_of_page_[tap.page]] * tap.weights[k];
+    return sum;
+}
+
+void TexelFit::scatter(const Tap& tap, Vec3f value, Vector& to) const {
+    const std::array<std::size_t, 4> at = texels_of(tap);
+    for (std::size_t k = 0; k < 4; ++k) to[at[k]] += value * tap.weights[k];
 }
 
 void TexelFit::add_sample(const Tap& tap, Vec3f wanted, float weight) {
-    scatter(tap, (wanted - read(start_, tap)) * weight, right_);
-    std::vector<Stencil>& m = matrix_[tap.page];
-    const std::size_t i = tap.first, below = i + static_cast<std::size_t>(pages_[tap.page].width);
+    scatter(tap, (wanted - read_start(tap)) * weight, right_);
+    const auto [upper_left, upper_right, lower_left, lower_right] = texels_of(tap);
     const auto [a, b, c, d] = tap.weights;
-    m[i].self += weight * a * a;
-    m[i + 1].self += weight * b * b;
-    m[below].self += weight * c * c;
-    m[below + 1].self += weight * d * d;
-    m[i].right += weight * a * b;
-    m[below].right += weight * c * d;
-    m[i].lower += weight * a * c;
-    m[i + 1].lower += weight * b * d;
-    m[i].lower_right += weight * a * d;
-    m[i + 1].lower_left += weight * b * c;
+    matrix_[upper_left].self += weight * a * a;
+    matrix_[upper_right].self += weight * b * b;
+    matrix_[lower_left].self += weight * c * c;
+    matrix_[lower_right].self += weight * d * d;
+    matrix_[upper_left].right += weight * a * b;
+    matrix_[lower_left].right += weight * c * d;
+    matrix_[upper_left].lower += weight * a * c;
+    matrix_[upper_right].lower += weight * b * d;
+    matrix_[upper_left].lower_right += weight * a * d;
+    matrix_[upper_right].lower_left += weight * b * c;
 }
 
 void TexelFit::add_pair(const Tap& a, const Tap& b, float weight) {
-    const Vec3f difference = (read(start_, b) - read(start_, a)) * weight;
+    const Vec3f difference = (read_start(b) - read_start(a)) * weight;
     scatter(a, difference, right_);
     scatter(b, difference * -1.0F, right_);
     pairs_.push_back({a, b, weight});
 }
 
 void TexelFit::add_prior(Index page, std::size_t texel, float weight) {
-    prior_[page][texel] += weight;
+    prior_[first_of_page_[page] + texel] += weight;
 }
 
-void TexelFit::multiply(const Values& x, Values& out, const Context& context) const {
-    for (std::size_t p = 0; p < pages_.size(); ++p) {
-        const auto w = static_cast<std::size_t>(pages_[p].width),
-                   h = static_cast<std::size_t>(pages_[p].height);
-        const std::vector<Stencil>& m = matrix_[p];
-        const std::vector<Vec3f>& v = x[p];
-        parallel_for(context, h, kRowGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t row = begin; row < end; ++row)
-                for (std::size_t column = 0; column < w; ++column) {
-                    const std::size_t i = row * w + column;
-                    Vec3f sum = v[i] * (m[i].self + prior_[p][i]);
-                    if (m[i].self > 0.0F) {
-                        if (column + 1 < w) sum += v[i + 1] * m[i].right;
-                        if (column > 0) sum += v[i - 1] * m[i - 1].right;
-                        if (row + 1 < h) {
-                            sum += v[i + w] * m[i].lower;
-                            if (column > 0) sum += v[i + w - 1] * m[i].lower_left;
-                            if (column + 1 < w) sum += v[i + w + 1] * m[i].lower_right;
-                        }
-                        if (row > 0) {
-                            sum += v[i - w] * m[i - w].lower;
-                            if (column + 1 < w) sum += v[i - w + 1] * m[i - w + 1].lower_left;
-                            if (column > 0) sum += v[i - w - 1] * m[i - w - 1].lower_right;
-                        }
-                    }
-                    out[p][i] = sum;
-                }
+/// The equations of the texels that samples or pairs move.
+class TexelFit::System {
+ public:
+    explicit System(const TexelFit& fit) : fit_(fit), number_(fit.matrix_.size(), kInvalidIndex) {
+        std::vector<std::uint8_t> is_moved(number_.size(), 0);
+        for (std::size_t i = 0; i < is_moved.size(); ++i) is_moved[i] = fit.matrix_[i].self > 0.0F;
+        for (const Pair& pair : fit.pairs_)
+            for (const Tap& tap : {pair.a, pair.b})
+                for (const std::size_t i : fit.texels_of(tap)) is_moved[i] = 1;
+        for (std::size_t page = 0; page < fit.pages_.size(); ++page) {
+            const std::size_t first = fit.first_of_page_[page];
+            const auto width = static_cast<std::size_t>(fit.pages_[page].width);
+            for (std::size_t i = 0; i < fit.start_[page].size(); ++i) {
+                if (is_moved[first + i] == 0 || !(fit.prior_[first + i] > 0.0F)) continue;
+                number_[first + i] = static_cast<Index>(texels_.size());
+                texels_.push_back(first + i);
+                rows_.push_back(width);
+            }
+        }
+        for (const Pair& pair : fit.pairs_) pairs_.push_back({ends(pair.a), ends(pair.b)});
+    }
+
+    std::size_t size() const { return texels_.size(); }
+    std::size_t texel(std::size_t i) const { return texels_[i]; }
+
+    std::vector<float> inverse_diagonal() const {
+        std::vector<float> out(size());
+        for (std::size_t i = 0; i < size(); ++i)
+            out[i] = fit_.prior_[texels_[i]] + fit_.matrix_[texels_[i]].self;
+        for (std::size_t p = 0; p < pairs_.size(); ++p)
+            for (const Ends& e : {pairs_[p].first, pairs_[p].second})
+                for (std::size_t k = 0; k < 4; ++k)
+                    if (e.at[k] != kInvalidIndex)
+                        out[e.at[k]] += fit_.pairs_[p].weight * e.weights[k] * e.weights[k];
+        for (float& d : out) d = 1.0F / d;
+        return out;
+    }
+
+    void multiply(const Vector& x, Vector& out, const Context& context) const {
+        const std::vector<Stencil>& m = fit_.matrix_;
+        for_all(size(), context, [&](std::size_t i) {
+            const std::size_t t = texels_[i], w = rows_[i];
+            Vec3f sum = x[i] * (m[t].self + fit_.prior_[t]);
+            const auto add = [&](std::size_t to, float weight) {
+                if (weight != 0.0F && number_[to] != kInvalidIndex) sum += x[number_[to]] * weight;
+            };
+            if (m[t].self > 0.0F) {
+                add(t + 1, m[t].right);
+                add(t + w - 1, m[t].lower_left);
+                add(t + w, m[t].lower);
+                add(t + w + 1, m[t].lower_right);
+                if (t > 0) add(t - 1, m[t - 1].right);
+                if (t > w) add(t - w - 1, m[t - w - 1].lower_right);
+                if (t >= w) add(t - w, m[t - w].lower);
+                if (t >= w - 1) add(t - w + 1, m[t - w + 1].lower_left);
+            }
+            out[i] = sum;
         });
+        for (std::size_t p = 0; p < pairs_.size(); ++p) {
+            const auto& [a, b] = pairs_[p];
+            const Vec3f difference = (read(x, a) - read(x, b)) * fit_.pairs_[p].weight;
+            scatter(a, difference, out);
+            scatter(b, difference * -1.0F, out);
+        }
     }
-    for (const Pair& pair : pairs_) {
-        const Vec3f difference = (read(x, pair.a) - read(x, pair.b)) * pair.weight;
-        scatter(pair.a, difference, out);
-        scatter(pair.b, difference * -1.0F, out);
+
+ private:
+    struct Ends {
+        std::array<Index, 4> at;
+        std::array<float, 4> weights;
+    };
+    Ends ends(const Tap& tap) const {
+        Ends out{{}, tap.weights};
+        const std::array<std::size_t, 4> texels = fit_.texels_of(tap);
+        for (std::size_t k = 0; k < 4; ++k) out.at[k] = number_[texels[k]];
+        return out;
     }
-}
+    static Vec3f read(const Vector& x, const Ends& e) {
+        Vec3f sum;
+        for (std::size_t k = 0; k < 4; ++k)
+            if (e.at[k] != kInvalidIndex) sum += x[e.at[k]] * e.weights[k];
+        return sum;
+    }
+    static void scatter(const Ends& e, Vec3f value, Vector& out) {
+        for (std::size_t k = 0; k < 4; ++k)
+            if (e.at[k] != kInvalidIndex) out[e.at[k]] += value * e.weights[k];
+    }
+
+    const TexelFit& fit_;
+    std::vector<Index> number_;        // per texel, of those that move
+    std::vector<std::size_t> texels_;  // that move
+    std::vector<std::size_t> rows_;    // widths of their pages
+    std::vector<std::pair<Ends, Ends>> pairs_;
+};
 
 TexelFit::Values TexelFit::solve(const Context& context) const {
-    // Jacobi's preconditioner; texels without a prior have no say.
-    std::vector<std::vector<float>> inverse(pages_.size());
-    std::vector<std::vector<float>> diagonal;
-    for (std::size_t p = 0; p < pages_.size(); ++p) {
-        diagonal.emplace_back(prior_[p]);
-        for (std::size_t i = 0; i < diagonal[p].size(); ++i) diagonal[p][i] += matrix_[p][i].self;
-    }
-    for (const Pair& pair : pairs_)
-        for (const Tap& tap : {pair.a, pair.b}) {
-            const auto w = static_cast<std::size_t>(pages_[tap.page].width);
-            const std::array<std::size_t, 4> at{0, 1, w, w + 1};
-            for (std::size_t k = 0; k < 4; ++k)
-                diagonal[tap.page][tap.first + at[k]] +=
-                    pair.weight * tap.weights[k] * tap.weights[k];
-        }
-    for (std::size_t p = 0; p < pages_.size(); ++p)
-        for (std::size_t i = 0; i < diagonal[p].size(); ++i)
-            inverse[p].push_back(prior_[p][i] > 0.0F ? 1.0F / diagonal[p][i] : 0.0F);
-
-    Values change = zeros_like(start_), residual = right_, search = zeros_like(start_),
-           product = zeros_like(start_), scaled = zeros_like(start_);
+    const System system(*this);
+    const std::size_t size = system.size();
+    // Jacobi's preconditioner.
+    const std::vector<float> inverse = system.inverse_diagonal();
+    Vector change(size), residual(size), search(size), product(size), scaled(size);
+    for_all(size, context, [&](std::size_t i) { residual[i] = right_[system.texel(i)]; });
     const auto rescale = [&] {
-        for_all(residual, context, [&](std::size_t p, std::size_t i) {
-            scaled[p][i] = residual[p][i] * inverse[p][i];
-        });
+        for_all(size, context, [&](std::size_t i) { scaled[i] = residual[i] * inverse[i]; });
         return dot_all(residual, scaled, context);
     };
     double rho = rescale();
@@ -180,23 +215,27 @@ TexelFit::Values TexelFit::solve(const Context& context) const {
     search = scaled;
     for (int step = 0; step < kMaxSteps && rho > enough; ++step) {
         check_cancelled(context);
-        multiply(search, product, context);
+        system.multiply(search, product, context);
         const double curvature = dot_all(search, product, context);
         if (!(curvature > 0.0)) break;
         const auto along = static_cast<float>(rho / curvature);
-        for_all(change, context, [&](std::size_t p, std::size_t i) {
-            change[p][i] += search[p][i] * along;
-            residual[p][i] -= product[p][i] * along;
+        for_all(size, context, [&](std::size_t i) {
+            change[i] += search[i] * along;
+            residual[i] -= product[i] * along;
         });
         const double next = rescale();
         const auto turn = static_cast<float>(next / rho);
         rho = next;
-        for_all(search, context, [&](std::size_t p, std::size_t i) {
-            search[p][i] = scaled[p][i] + search[p][i] * turn;
-        });
+        for_all(size, context, [&](std::size_t i) { search[i] = scaled[i] + search[i] * turn; });
     }
-    for_all(change, context, [&](std::size_t p, std::size_t i) { change[p][i] += start_[p][i]; });
-    return change;
+    Values out = start_;
+    std::size_t page = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+        const std::size_t texel = system.texel(i);
+        while (page + 1 < pages_.size() && texel >= first_of_page_[page + 1]) ++page;
+        out[page][texel - first_of_page_[page]] += change[i];
+    }
+    return out;
 }
 
 }  // namespace pointbake

@@ -27,7 +27,7 @@ class TexelFit {
     /// The four texels that are read at a place, integers being centres.
     struct Tap {
         Index page = 0;
-        std::size_t first = 0;  // of the four, upper left
+        std::size_t first = 0;  // of the four, upper left, in its page
         std::array<float, 4> weights{};
     };
     /// std::nullopt where one of the four is not on the page.
@@ -51,15 +51,17 @@ class TexelFit {
         Tap a, b;
         float weight;
     };
-    Vec3f read(const Values& values, const Tap& tap) const;
-    void scatter(const Tap& tap, Vec3f value, Values& to) const;
-    void multiply(const Values& x, Values& out, const Context& context) const;
+    class System;
+    std::array<std::size_t, 4> texels_of(const Tap& tap) const;
+    Vec3f read_start(const Tap& tap) const;
+    void scatter(const Tap& tap, Vec3f value, std::vector<Vec3f>& to) const;
 
     std::vector<PageSize> pages_;
     const Values& start_;
-    std::vector<std::vector<Stencil>> matrix_;
-    std::vector<std::vector<float>> prior_;
-    Values right_;
+    std::vector<std::size_t> first_of_page_;  // texels of all pages, one after the other
+    std::vector<Stencil> matrix_;             // per texel
+    std::vector<float> prior_;
+    std::vector<Vec3f> right_;
     std::vector<Pair> pairs_;
 };
 

@@ -315,9 +315,12 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
     const PaintSource source = impl_->source();
     const PageLayout layout = impl_->page_layout(plan, pages, placements);
     PagePainter painter(source, layout, context);
+    log(context, LogLevel::kDebug, "texture: painting");
     painter.find_owners();
     painter.paint();
+    log(context, LogLevel::kDebug, "texture: fitting");
     painter.fit();
+    log(context, LogLevel::kDebug, "texture: measuring pages");
     painter.measure(bound,
                     [&](Index t, TriangleGauge&) { return impl_->why_capped(t, plan, bound); });
     if (impl_->options.debug_maps) painter.draw_debug_maps();

@@ -138,6 +138,19 @@ TEST(PackBitmap, TurnsShapesThatFitNoOtherWay) {
     EXPECT_TRUE(packing->placements[0].transposed);
 }
 
+TEST(PackBitmap, PacksLargePagesByBlocks) {
+    std::vector<PatchShape> shapes;
+    for (int i = 0; i < 24; ++i) {
+        shapes.push_back(ring(90 + 7 * (i % 9), 40));
+        shapes.push_back(rectangle(101 + 13 * i, 307 - 9 * i));
+    }
+    const AtlasOptions options{.page_size = 4096, .packer = Packer::kBitmap};
+    const Packing packing = pack(shapes, options);
+    ASSERT_GT(packing.pages[0].width, 1024);
+    expect_valid(shapes, packing);
+    EXPECT_GT(packing.fill(), 0.7);
+}
+
 TEST(PackBitmap, FillsAPageThatHoldsThemExactly) {
     const std::vector<PatchShape> shapes(16, rectangle(32, 16));
     EXPECT_TRUE(pack_into(shapes, std::vector{PageSize{128, 64}}, kBitmap));
