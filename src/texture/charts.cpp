@@ -19,10 +19,10 @@ constexpr double kLeastMergedCosine = 0.3;  // once more than one proxy has grow
 constexpr double kCompact = 0.1;            // how much roundness counts next to flatness
 constexpr int kGrowRounds = 12;             // of growing from better seeds
 constexpr int kStraightenRounds = 16;
-constexpr double kFullEnough = 0.55;  // of the smallest box: charts that are merged pack well
-constexpr int kConeSteps = 32;        // of the search for an axis
-constexpr int kLeastCells = 4096;     // of the grid on which near sheets are looked for
-constexpr int kMostCells = 512;       // per side of the grid on which crossings are
+constexpr double kFullEnough = 0.55;        // of the smallest box: charts that are merged pack well
+constexpr int kConeSteps = 32;              // of the search for an axis
+constexpr double kCellsPerTriangle = 16.0;  // of the grid on which near sheets are looked for
+constexpr int kMostCells = 512;             // per side of the grid on which crossings are
 
 struct Face {
     Vec3d normal;  // unit length; zero for triangles without an area
@@ -250,14 +250,23 @@ class Grower {
             check_cancelled(context_);
             const std::vector<Index> part = std::move(todo.back());
             todo.pop_back();
-            std::pair<Index, Index> apart{kInvalidIndex, kInvalidIndex};
-            if (std::optional<Chart> chart = lay_out(part, {}, apart)) {
+            std::pair<Index, Index> apart{part.front(), part.back()};
+            std::optional<Chart> chart =
+                part.size() > 1 ? lay_out(part, {}, apart) : single(part.front());
+            if (chart) {
                 for (const Index t : part) chart_of_[t] = static_cast<Index>(charts_.size());
                 charts_.push_back(std::move(*chart));
             } else {
                 for (std::vector<Index>& half : cut(part, apart)) todo.push_back(std::move(half));
             }
         }
+    }
+
+    // A triangle in its own plane; without an area it lies on a line.
+    Chart single(Index t) const {
+        const bool has_area = faces_[t].area > 0.0;
+        const Plane plane = plane_of(has_area ? faces_[t].normal : Vec3d{0.0, 0.0, 1.0});
+        return {{t}, {project(plane, t)}};
     }
 
     // What is connected on one chart. Straightening may cut a part off.
@@ -306,7 +315,6 @@ class Grower {
         Vec3d axis;
         for (const Index t : triangles) axis += faces_[t].normal * faces_[t].area;
         axis = normalized(axis);
-        Vec3d found;
         if (!(squared_length(axis) > 0.0)) axis = {0.0, 0.0, 1.0};
         for (int step = 1; step <= kConeSteps; ++step) {
             const Index farthest = farthest_from(axis, triangles);
@@ -316,7 +324,7 @@ class Grower {
                 return axis;
             axis = normalized(axis + (normal - axis) / (step + 1.0));
         }
-        return found;
+        return {};
     }
 
     Index farthest_from(Vec3d axis, std::span<const Index> triangles) const {
@@ -339,7 +347,7 @@ class Grower {
     // Halves: what is nearer, over edges, to one of the two triangles than to the other.
     std::vector<std::vector<Index>> cut(std::span<const Index> part,
                                         std::pair<Index, Index> apart) {
-        if (apart.first == apart.second) apart = {part.front(), part.back()};
+        if (apart.first == apart.second) apart = {part.front(), part.back()};  // all face one way
         constexpr Index kPending = kInvalidIndex - 1, kFirst = kInvalidIndex - 2,
                         kSecond = kInvalidIndex - 3;
         for (const Index t : part) chart_of_[t] = kPending;
@@ -470,8 +478,9 @@ class Grower {
                 low = {std::min(low.x, x.x), std::min(low.y, x.y)};
                 high = {std::max(high.x, x.x), std::max(high.y, x.y)};
             }
+        constexpr double kLeastCells = 256.0;
         const double wanted =
-            std::max<double>(kLeastCells, 4.0 * static_cast<double>(chart.triangles.size()));
+            std::max(kLeastCells, kCellsPerTriangle * static_cast<double>(chart.triangles.size()));
         const double cell =
             std::max(std::sqrt(area / wanted), 1e-3 * std::max(high.x - low.x, high.y - low.y));
         if (!(cell > 0.0)) return std::nullopt;
