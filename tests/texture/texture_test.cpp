@@ -183,6 +183,44 @@ TEST(Texture, CoarseTexelsFitWhatIsBetweenThem) {
     EXPECT_LT(rms_against(baked.model, fine), 7.0);
 }
 
+// [Wicke05], Figure 3: a saddle on two triangles that meet in a ridge. Projected along the normals
+// of the triangles, points on the ridge's sides fall apart.
+Painted saddle() {
+    Painted out;
+    constexpr double kHeight = 0.6;
+    out.mesh.positions = {{1, 0, kHeight}, {0, 1, -kHeight}, {-1, 0, kHeight}, {0, -1, -kHeight}};
+    out.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    constexpr int kSide = 80;
+    for (int j = 0; j < kSide; ++j)
+        for (int i = 0; i < kSide; ++i) {
+            const double u = (i + 0.5) / kSide, v = (j + 0.5) / kSide;
+            const double x = u - v, y = u + v - 1.0;  // over the diamond between the corners
+            out.cloud.positions.push_back({x, y, kHeight * (x * x - y * y)});
+            const Vec3d n = normalized(Vec3d{-2.0 * kHeight * x, 2.0 * kHeight * y, 1.0});
+            out.cloud.normals.push_back(vec_cast<float>(n));
+            const auto code = static_cast<std::uint16_t>(65535.0 * (0.5 + 0.4 * x));
+            out.cloud.colors.push_back({code, code, 30000});
+            out.cloud.areas.push_back(static_cast<float>(2.0 / (kSide * kSide) / n.z));
+            out.cloud.rows.push_back(out.cloud.rows.size());
+            out.owners.push_back(y >= 0.0 ? 0 : 1);
+        }
+    return out;
+}
+
+TEST(Texture, TheSaddleLeavesNoTexelUncovered) {
+    const Painted p = saddle();
+    for (const AtlasKind atlas : {AtlasKind::kTriangles, AtlasKind::kCharts}) {
+        TextureOptions options;
+        options.atlas = atlas;
+        const TextureBaker baker(p.mesh, p.cloud, p.owners, options, {});
+        const BakedTexture baked = bake_apart(baker, baker.plan(1.0, kNoBudget));
+        EXPECT_EQ(baked.report.num_uncovered_texels, 0U);
+        options.projection = Projection::kOrthographic;
+        const TextureBaker papers(p.mesh, p.cloud, p.owners, options, {});
+        EXPECT_GT(bake_apart(papers, papers.plan(1.0, kNoBudget)).report.num_uncovered_texels, 0U);
+    }
+}
+
 TEST(Texture, SameBytesForAnyNumberOfThreads) {
     const Painted p = painted_square(60, wave);
     const Context one{.threads = 1}, seven{.threads = 7};
