@@ -5,12 +5,16 @@ usage: measure.py round-trip TRUTH CLOUD RESULT   colour at random points of the
        measure.py bound REPORT POINTS RESULT      farthest kept point of --write-points / the bound of --report
        measure.py dense TRUTH SPACING MESH.ply    share of pixels in which the first surface hit is the true one
        measure.py flat RESULT                     neighbouring triangles with at most 8 and at least 200 texels
+       measure.py held-out CLOUD.ply PROGRAM [OPTION...]   converts nine points in ten; RMS of the texture at the others,
+                                                  in 8-bit steps, beside the colour of the nearest point that was used
 
 Needs the bench beside the checkout (../shared/quality, or POINTBAKE_QUALITY), what it needs, and python3-open3d.
 """
 import json
 import os
+import subprocess
 import sys
+import tempfile
 
 sys.path.insert(0, os.environ.get("POINTBAKE_QUALITY", os.path.join(os.path.dirname(__file__), "../../shared/quality")))
 import numpy as np
@@ -21,18 +25,51 @@ from limit import limits
 from meshio import load_mesh, read_ply
 from raycast import Scene
 from sample import at, sample_random
+from scipy.spatial import cKDTree
+
+
+def color_near(mesh, where):
+    """The mesh's colour at the places nearest to some points, and their distances."""
+    middle = mesh.positions.mean(0)
+    scene = o3d.t.geometry.RaycastingScene()
+    scene.add_triangles(o3d.core.Tensor((mesh.positions - middle).astype(np.float32)),
+                        o3d.core.Tensor(mesh.triangles.astype(np.uint32)))
+    near = scene.compute_closest_points(o3d.core.Tensor((where - middle).astype(np.float32)))
+    u, v = near["primitive_uvs"].numpy().T
+    color = mesh.color_at(near["primitive_ids"].numpy().astype(int), np.stack([1 - u - v, u, v], 1))
+    return color, np.linalg.norm(near["points"].numpy() + middle - where, axis=1)
+
+
+def write_ply(path, rows):
+    names = {"f": "float", "d": "double", "B": "uchar", "b": "char", "h": "short", "H": "ushort", "i": "int", "I": "uint"}
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(rows)}"]
+    header += [f"property {names[rows.dtype[n].char]} {n}" for n in rows.dtype.names]
+    with open(path, "wb") as f:
+        f.write(("\n".join(header + ["end_header", ""])).encode() + rows.tobytes())
+
+
+def held_out(cloud, program, *options):
+    rows = read_ply(cloud)["vertex"]
+    out = np.random.default_rng(5).random(len(rows)) < 0.1
+    where = np.stack([rows[k] for k in "xyz"], 1).astype(float)
+    channel = "red" if "red" in rows.dtype.names else "diffuse_red"
+    color = np.stack([rows[channel.replace("red", k)] for k in ("red", "green", "blue")], 1) / 255.0
+    with tempfile.TemporaryDirectory() as folder:
+        kept, result = os.path.join(folder, "kept.ply"), os.path.join(folder, "kept.glb")
+        write_ply(kept, rows[~out])
+        subprocess.run([program, kept, result, "-q", *options], check=True)
+        mesh = load_mesh(result)
+    got, _ = color_near(mesh, where[out])
+    _, nearest = cKDTree(where[~out]).query(where[out])
+    rms = lambda a: 255 * float(np.sqrt(((a - color[out]) ** 2).mean()))
+    print(f"{out.sum()} held out, RMS {rms(got):.2f}, nearest point {rms(color[~out][nearest]):.2f}")
 
 
 def round_trip(truth, cloud, result):
     true, made = load_mesh(truth), load_mesh(result)
     triangle, bary = sample_random(true, 60000, np.random.default_rng(3))
     where, wanted = at(true, triangle, bary), true.color_at(triangle, bary)
-    scene = o3d.t.geometry.RaycastingScene()
-    scene.add_triangles(o3d.core.Tensor(made.positions.astype(np.float32)),
-                        o3d.core.Tensor(made.triangles.astype(np.uint32)))
-    near = scene.compute_closest_points(o3d.core.Tensor(where.astype(np.float32)))
-    u, v = near["primitive_uvs"].numpy().T
-    got = made.color_at(near["primitive_ids"].numpy().astype(int), np.stack([1 - u - v, u, v], 1))
+    got, _ = color_near(made, where)
     print({"pointbake": psnr(((wanted - got) ** 2).mean()), **limits(truth, cloud)})
 
 
@@ -73,7 +110,11 @@ def flat(result):
 
 
 if __name__ == "__main__":
-    commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1)}
-    if len(sys.argv) < 2 or sys.argv[1] not in commands or len(sys.argv) - 2 != commands[sys.argv[1]][1]:
+    commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1),
+                "held-out": (held_out, 2)}
+    given = len(sys.argv) - 2
+    if given < 0 or sys.argv[1] not in commands or given < commands[sys.argv[1]][1]:
+        sys.exit(__doc__)
+    if given > commands[sys.argv[1]][1] and sys.argv[1] != "held-out":
         sys.exit(__doc__)
     commands[sys.argv[1]][0](*sys.argv[2:])
