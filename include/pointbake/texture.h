@@ -51,7 +51,7 @@ struct TextureOptions {
         field("atlas", &TextureOptions::atlas,
               "a patch is a chart of many triangles, or one triangle");
         field("mips", &TextureOptions::mips,
-              "mip levels that charts keep apart: 2^N texels around each are its own");
+              "2^N texels around each chart are its own: mip levels below N stay clean");
         field("projection", &TextureOptions::projection,
               "points are projected along the interpolated vertex normal, or the triangle's "
               "(orthographic)");

@@ -96,14 +96,17 @@ bool PagePainter::is_border(Index t, std::size_t k) const {
     if (next == kInvalidIndex || layout_.triangle_pages[next] != layout_.triangle_pages[t])
         return true;
     const Triangle& own = source_.scene.mesh.triangles[t];
-    const Triangle& other = source_.scene.mesh.triangles[next];
-    for (const std::size_t i : {k, (k + 1) % 3}) {
-        const auto j =
-            static_cast<std::size_t>(std::find(other.begin(), other.end(), own[i]) - other.begin());
-        const Vec2d d = layout_.triangles[t].corners[i] - layout_.triangles[next].corners[j];
-        if (length(d) > kSameTexel) return true;
-    }
+    for (const std::size_t i : {k, (k + 1) % 3})
+        if (length(layout_.triangles[t].corners[i] - corner_at(next, own[i])) > kSameTexel)
+            return true;
     return false;
+}
+
+// Where one of a triangle's vertices lies in its page.
+Vec2d PagePainter::corner_at(Index t, Index vertex) const {
+    const Triangle& tri = source_.scene.mesh.triangles[t];
+    const auto k = std::find(tri.begin(), tri.end(), vertex) - tri.begin();
+    return layout_.triangles[t].corners[static_cast<std::size_t>(k)];
 }
 
 void PagePainter::claim_gutter(Index t) {
@@ -302,13 +305,8 @@ void PagePainter::add_border(Index t, std::size_t k, TexelFit& fit) const {
     if (next == kInvalidIndex || next < t || !is_border(t, k)) return;
     if (!is_paintable(t) || !is_paintable(next)) return;
     const Triangle& own = source_.scene.mesh.triangles[t];
-    const Triangle& other = source_.scene.mesh.triangles[next];
-    const auto corner = [&](Index vertex) {
-        const auto j = std::find(other.begin(), other.end(), vertex) - other.begin();
-        return layout_.triangles[next].corners[static_cast<std::size_t>(j)];
-    };
     const Vec2d a = layout_.triangles[t].corners[k], b = layout_.triangles[t].corners[(k + 1) % 3];
-    const Vec2d c = corner(own[k]), d = corner(own[(k + 1) % 3]);
+    const Vec2d c = corner_at(next, own[k]), d = corner_at(next, own[(k + 1) % 3]);
     const int count =
         std::max(1, static_cast<int>(std::ceil(2.0 * std::max(length(b - a), length(d - c)))));
     for (int i = 0; i < count; ++i) {

@@ -58,6 +58,7 @@ class PagePainter {
     void claim_inside(Index triangle);
     void claim_gutter(Index triangle);
     bool is_border(Index triangle, std::size_t k) const;
+    Vec2d corner_at(Index triangle, Index vertex) const;
     NeedSet owned_by(Index triangle) const;
     std::uint64_t copy(Index triangle, const PatchTexels& texels);
     void add_samples(TexelFit& fit) const;

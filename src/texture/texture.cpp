@@ -319,7 +319,7 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
     painter.find_owners();
     painter.paint();
     log(context, LogLevel::kDebug, "texture: fitting");
-    painter.fit();
+    if (!impl_->options.paper) painter.fit();
     log(context, LogLevel::kDebug, "texture: measuring pages");
     painter.measure(bound,
                     [&](Index t, TriangleGauge&) { return impl_->why_capped(t, plan, bound); });

@@ -139,7 +139,7 @@ TEST(PackBitmap, TurnsShapesThatFitNoOtherWay) {
 }
 
 TEST(PackBitmap, PacksLargePagesByBlocks) {
-    std::vector<PatchShape> shapes;
+    std::vector<PatchShape> shapes = log_normal_shapes(60, 250, 0.3);
     for (int i = 0; i < 24; ++i) {
         shapes.push_back(ring(90 + 7 * (i % 9), 40));
         shapes.push_back(rectangle(101 + 13 * i, 307 - 9 * i));
@@ -149,6 +149,12 @@ TEST(PackBitmap, PacksLargePagesByBlocks) {
     ASSERT_GT(packing.pages[0].width, 1024);
     expect_valid(shapes, packing);
     EXPECT_GT(packing.fill(), 0.7);
+}
+
+TEST(PackBitmap, MirroredShapesEndWithTheirBlocks) {
+    // Packed by blocks that their sides are no multiples of, and closely.
+    const std::vector<PatchShape> shapes = log_normal_shapes(600, 130, 0.15);
+    expect_valid(shapes, pack(shapes, {.page_size = 4096, .packer = Packer::kBitmap}));
 }
 
 TEST(PackBitmap, FillsAPageThatHoldsThemExactly) {

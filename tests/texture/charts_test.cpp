@@ -122,6 +122,17 @@ TEST(Charts, ASpiralStairIsNotLaidOverItself) {
     EXPECT_GE(charts.count, 2U);
 }
 
+TEST(Charts, ThinLayersAreNotLaidOverEachOther) {
+    // A washer of a turn and a fifth: where it overlaps itself it is nearly in one plane.
+    const Mesh mesh = sheet(60, 3, [](double s, double t) {
+        const double a = 7.5 * s, r = 0.5 + 0.5 * t;
+        return Vec3d{r * std::cos(a), r * std::sin(a), 0.01 * s};
+    });
+    const Charts charts = charts_of(mesh);
+    expect_good(mesh, charts);
+    EXPECT_GE(charts.count, 2U);
+}
+
 TEST(Charts, SoupIsAChartEach) {
     Mesh mesh;
     for (Index i = 0; i < 50; ++i) {
