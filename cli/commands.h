@@ -15,6 +15,7 @@ void run_reconstruct(Words words, const std::stop_token& stop);
 void run_simplify(Words words, const std::stop_token& stop);
 void run_texture(Words words, const std::stop_token& stop);
 void run_info(Words words, const std::stop_token& stop);
+void run_render(Words words, const std::stop_token& stop);
 void run_sample(Words words, const std::stop_token& stop);
 void run_demo(Words words, const std::stop_token& stop);
 

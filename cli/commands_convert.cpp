@@ -14,6 +14,7 @@ constexpr CommandText kConvertText = {
     "pointbake reconstruct CLOUD [OUT.ply]     only the dense mesh\n"
     "pointbake simplify MESH [OUT.ply]         only a lighter mesh\n"
     "pointbake texture MESH CLOUD [OUT.glb]    only the texture, on a mesh as it is\n"
+    "pointbake render FILE... [OUT.png]        a picture of clouds and models, side by side\n"
     "pointbake sample MESH [OUT.ply]           the way back: points of a mesh\n"
     "pointbake demo [OUT.glb]                  convert a painted model that the program makes",
     "Turns a point cloud into a textured mesh: GLB, glTF, OBJ or PLY, by the name of OUTPUT.\n"

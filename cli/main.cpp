@@ -11,11 +11,12 @@
 namespace pointbake::cli {
 namespace {
 
-constexpr std::array<Command, 7> kCommands = {{{"convert", run_convert},
+constexpr std::array<Command, 8> kCommands = {{{"convert", run_convert},
                                                {"info", run_info},
                                                {"reconstruct", run_reconstruct},
                                                {"simplify", run_simplify},
                                                {"texture", run_texture},
+                                               {"render", run_render},
                                                {"sample", run_sample},
                                                {"demo", run_demo}}};
 

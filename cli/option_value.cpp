@@ -26,6 +26,22 @@ double OptionValue<double>::parse(std::string_view text) {
     return value;
 }
 
+Vec3d OptionValue<Vec3d>::parse(std::string_view text) {
+    Vec3d value;
+    const char* next = text.data();
+    const char* const end = text.data() + text.size();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto [stop, error] = std::from_chars(next, end, value[k]);
+        const bool is_last = k == 2;
+        if (error != std::errc{} || !std::isfinite(value[k]) ||
+            (is_last ? stop != end : stop == end || *stop != ','))
+            fail(ErrorCode::kInvalidOption,
+                 "'{}' is not a direction: expected three numbers like 1,0.5,-2", text);
+        next = is_last ? stop : stop + 1;
+    }
+    return value;
+}
+
 ByteSize OptionValue<ByteSize>::parse(std::string_view text) {
     struct Unit {
         std::string_view suffix;

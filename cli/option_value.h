@@ -12,6 +12,7 @@
 
 #include "core/message.h"
 #include "pointbake/options.h"
+#include "pointbake/vec.h"
 
 namespace pointbake::cli {
 
@@ -83,6 +84,15 @@ struct OptionValue<HexColor> {
     static std::string placeholder() { return "RRGGBB"; }
     static HexColor parse(std::string_view text) { return parse_hex_color(text); }
     static std::string json(HexColor value) { return json_string(to_string(value)); }
+};
+
+template <>
+struct OptionValue<Vec3d> {
+    static std::string placeholder() { return "X,Y,Z"; }
+    static Vec3d parse(std::string_view text);
+    static std::string json(const Vec3d& value) {
+        return json_string(fmt::format("{},{},{}", value.x, value.y, value.z));
+    }
 };
 
 template <>

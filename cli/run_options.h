@@ -7,6 +7,7 @@
 
 #include "option_value.h"
 #include "pointbake/convert.h"
+#include "pointbake/render.h"
 
 namespace pointbake {
 
@@ -47,6 +48,24 @@ struct DemoOptions {
     template <class Field>
     static void describe(Field&& field) {
         field("points", &DemoOptions::points, "about this many points");
+    }
+};
+
+struct PictureOptions {
+    Vec3d direction = View{}.direction, up = View{}.up;
+    double zoom = View{}.zoom;
+    int width = View{}.width, height = View{}.height;
+    bool wires = false, transparent = false;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("direction", &PictureOptions::direction, "from the model to the viewer");
+        field("up", &PictureOptions::up, "what points upwards in the picture");
+        field("zoom", &PictureOptions::zoom, "1 = all of it fits from every side");
+        field("width", &PictureOptions::width, "pixels per view");
+        field("height", &PictureOptions::height, "pixels per view");
+        field("wires", &PictureOptions::wires,
+              "draw each mesh a second time, with its triangles instead of its texture");
+        field("transparent", &PictureOptions::transparent, "no background");
     }
 };
 

@@ -16,17 +16,21 @@ struct View {
     double zoom = 1.0;  ///< 1 = the bounding sphere fills the smaller side
     Vec3d center{};     ///< relative to the box's centre, in diagonals
     int width = 512, height = 512;
+    bool is_transparent = false;  ///< RGBA without background instead of RGB
+    Box box{};                    ///< what is looked at; empty = the box of what is drawn
 };
 
-/// Points as opaque discs of their radius, in their colours (grey shading by the normal where there
-/// are none).
+/// Points as EWA splats [Zwicker01]: what lies within a disc of their radius is covered; the front
+/// sheet's Gaussians there, normalised, give the colour (grey shading by the normal where the cloud
+/// has none). Standard deviations are those of the texture stage where the cloud has areas.
 Image render_points(const PointCloud& cloud, const View& view = {}, const Context& context = {});
 /// The mesh with its texture.
 Image render_textured(const TexturedMesh& model, const View& view = {},
                       const Context& context = {});
 /// The mesh, shaded by its face normals; with `wires`, the triangles' edges drawn on top.
 Image render_mesh(const Mesh& mesh, bool wires, const View& view = {}, const Context& context = {});
-/// Pictures side by side, rows of `columns`.
+/// Pictures side by side, rows of `columns`. Throws Error{kUnsupported} unless all have 3 channels,
+/// or all 4.
 Image contact_sheet(const std::vector<Image>& pictures, int columns);
 
 }  // namespace pointbake

@@ -9,9 +9,9 @@
 #include "attributes/surface_ring.h"
 #include "core/bvh.h"
 #include "core/kdtree.h"
+#include "core/kernel.h"
 #include "core/message.h"
 #include "core/parallel.h"
-#include "core/splat.h"
 #include "pointbake/attributes.h"
 
 namespace pointbake {

@@ -40,28 +40,34 @@ std::vector<std::vector<Index>> sort_into_bands(std::span<const RowRange> primit
     return bands;
 }
 
-void resolve(const Band& band, const Shader& shade, Image& image) {
+// Mean of a pixel's samples in linear light. Pixels that nothing covers are exactly the background.
+void resolve(const Band& band, bool is_transparent, Image& image) {
     const Vec3f background =
         to_linear(rgb16_from_8bit(kBackground[0], kBackground[1], kBackground[2]));
-    const auto columns = static_cast<std::size_t>(band.sample_columns());
+    const auto channels = static_cast<std::size_t>(image.num_channels);
     for (int row = 0; row < band.num_rows; ++row)
         for (int column = 0; column < band.width; ++column) {
             Vec3f sum;
-            bool is_empty = true;
+            int num_covered = 0;
             for (int s = 0; s < kSuper * kSuper; ++s) {
-                const int r = row * kSuper + s / kSuper, c = column * kSuper + s % kSuper;
-                const Index id =
-                    band.id[static_cast<std::size_t>(r) * columns + static_cast<std::size_t>(c)];
-                is_empty = is_empty && id == kInvalidIndex;
-                sum += id == kInvalidIndex ? background
-                                           : shade(id, band.sample_x(c), band.sample_y(r));
+                const std::size_t k =
+                    band.sample(row * kSuper + s / kSuper, column * kSuper + s % kSuper);
+                if (band.id[k] == kInvalidIndex) continue;
+                sum += band.color[k];
+                ++num_covered;
             }
-            const auto at = 3 * (static_cast<std::size_t>(band.first_row + row) *
-                                     static_cast<std::size_t>(band.width) +
-                                 static_cast<std::size_t>(column));
+            const int num_samples = is_transparent ? num_covered : kSuper * kSuper;
+            if (!is_transparent) sum += background * static_cast<float>(num_samples - num_covered);
+            std::uint8_t* const pixel =
+                &image.pixels[channels * (static_cast<std::size_t>(band.first_row + row) *
+                                              static_cast<std::size_t>(band.width) +
+                                          static_cast<std::size_t>(column))];
+            if (is_transparent)
+                pixel[3] = static_cast<std::uint8_t>(255 * num_covered / (kSuper * kSuper));
             for (std::size_t k = 0; k < 3; ++k)
-                image.pixels[at + k] =
-                    is_empty ? kBackground[k] : linear_to_srgb8(sum[k] / (kSuper * kSuper));
+                pixel[k] = num_covered == 0
+                               ? kBackground[k]
+                               : linear_to_srgb8(sum[k] / static_cast<float>(num_samples));
         }
 }
 
@@ -77,8 +83,9 @@ Camera::Camera(const View& view, std::span<const Vec3d> positions) {
         fail(ErrorCode::kInvalidOption,
              "no such view: the direction must not be zero nor along `up`, the zoom positive");
     up = cross(toward, right);
-    Box box;
-    for (const Vec3d& p : positions) box.extend(p);
+    Box box = view.box;
+    if (box.is_empty())
+        for (const Vec3d& p : positions) box.extend(p);
     const double diagonal = box.diagonal() > 0.0 ? box.diagonal() : 1.0;
     origin = box.center() + view.center * diagonal;
     scale = std::min(view.width, view.height) * view.zoom / diagonal;
@@ -93,10 +100,10 @@ std::pair<int, int> Band::columns_between(double low, double high) const {
     return clipped_range(low, high, sample_columns());
 }
 
-Image draw(const View& view, std::span<const RowRange> primitives, const Rasterizer& rasterize,
-           const Shader& shade, const Context& context) {
-    Image image{view.width, view.height, 3, {}};
-    image.pixels.resize(3 * image.num_texels());
+Image draw(const View& view, std::span<const RowRange> primitives, const BandPainter& paint,
+           const Context& context) {
+    Image image{view.width, view.height, view.is_transparent ? 4 : 3, {}};
+    image.pixels.resize(static_cast<std::size_t>(image.num_channels) * image.num_texels());
     const int num_bands = (view.height + kBandRows - 1) / kBandRows;
     const std::vector<std::vector<Index>> bands = sort_into_bands(primitives, num_bands);
     parallel_for(context, bands.size(), 1, [&](std::size_t b, std::size_t) {
@@ -108,10 +115,24 @@ Image draw(const View& view, std::span<const RowRange> primitives, const Rasteri
                            static_cast<std::size_t>(band.sample_columns());
         band.depth.assign(count, -HUGE_VALF);
         band.id.assign(count, kInvalidIndex);
-        for (const Index k : bands[b]) rasterize(k, band);
-        resolve(band, shade, image);
+        band.color.resize(count);
+        paint(bands[b], band);
+        resolve(band, view.is_transparent, image);
     });
     return image;
+}
+
+BandPainter opaque(Rasterizer rasterize, Shader shade) {
+    return [rasterize = std::move(rasterize), shade = std::move(shade)](
+               std::span<const Index> primitives, Band& band) {
+        for (const Index k : primitives) rasterize(k, band);
+        for (int row = 0; row < band.sample_rows(); ++row)
+            for (int column = 0; column < band.sample_columns(); ++column) {
+                const std::size_t k = band.sample(row, column);
+                if (band.id[k] != kInvalidIndex)
+                    band.color[k] = shade(band.id[k], band.sample_x(column), band.sample_y(row));
+            }
+    };
 }
 
 }  // namespace pointbake::render

@@ -21,13 +21,16 @@ struct Camera {
     double scale = 1.0;  ///< pixels per unit
     double half_width = 0.0, half_height = 0.0;
 
-    /// Throws Error{kInvalidOption} if the view's direction or size is no direction or size.
+    /// The view of view.box, or of the box around `positions`. Throws Error{kInvalidOption} if the
+    /// view's direction or size is no direction or size.
     Camera(const View& view, std::span<const Vec3d> positions);
     Vec3d project(Vec3d p) const {
         const Vec3d q = p - origin;
         return {half_width + scale * dot(q, right), half_height - scale * dot(q, up),
                 scale * dot(q, toward)};
     }
+    /// A direction or a step, in the picture's axes.
+    Vec3d turn(Vec3d d) const { return {dot(d, right), -dot(d, up), dot(d, toward)}; }
 };
 
 /// The samples of a band of pixel rows. The nearest surface wins; ties go to the lower id.
@@ -35,15 +38,19 @@ struct Band {
     int first_row = 0, num_rows = 0, width = 0;  ///< in pixels
     std::vector<float> depth;                    ///< larger is nearer
     std::vector<Index> id;                       ///< kInvalidIndex = background
+    std::vector<Vec3f> color;                    ///< linear light, where there is an id
 
     int sample_rows() const { return num_rows * kSuper; }
     int sample_columns() const { return width * kSuper; }
+    std::size_t sample(int row, int column) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(sample_columns()) +
+               static_cast<std::size_t>(column);
+    }
     /// Place of a sample's centre, in pixels.
     double sample_x(int column) const { return (column + 0.5) / kSuper; }
     double sample_y(int row) const { return first_row + (row + 0.5) / kSuper; }
     void offer(int row, int column, float z, Index candidate) {
-        const auto k = static_cast<std::size_t>(row) * static_cast<std::size_t>(sample_columns()) +
-                       static_cast<std::size_t>(column);
+        const std::size_t k = sample(row, column);
         if (z > depth[k] || (z == depth[k] && candidate < id[k])) {
             depth[k] = z;
             id[k] = candidate;
@@ -58,6 +65,8 @@ struct Band {
 using Rasterizer = std::function<void(Index id, Band& band)>;
 /// Colour in linear light of primitive `id` at a place of the picture.
 using Shader = std::function<Vec3f(Index id, double x, double y)>;
+/// Fills ids and colours of a band from the primitives that touch it, in ascending order.
+using BandPainter = std::function<void(std::span<const Index> primitives, Band& band)>;
 
 /// Vertical range of a primitive in pixels.
 struct RowRange {
@@ -66,8 +75,11 @@ struct RowRange {
 
 /// Draws all primitives and averages the samples of each pixel in linear light. Deterministic for
 /// any number of threads.
-Image draw(const View& view, std::span<const RowRange> primitives, const Rasterizer& rasterize,
-           const Shader& shade, const Context& context);
+Image draw(const View& view, std::span<const RowRange> primitives, const BandPainter& paint,
+           const Context& context);
+
+/// The painter of opaque surfaces: the nearest primitive of each sample gives its colour.
+BandPainter opaque(Rasterizer rasterize, Shader shade);
 
 /// The background, 8-bit sRGB.
 inline constexpr std::uint8_t kBackground[3] = {244, 244, 241};

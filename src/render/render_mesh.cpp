@@ -199,10 +199,10 @@ Image render_textured(const TexturedMesh& model, const View& view, const Context
     const Surface surface(model);
     return render::draw(
         view, projected.ranges,
-        [&](Index t, Band& band) { rasterize_face(projected.face(t), t, band); },
-        [&](Index t, double x, double y) {
-            return surface.color(t, barycentric(projected.face(t), x, y));
-        },
+        render::opaque([&](Index t, Band& band) { rasterize_face(projected.face(t), t, band); },
+                       [&](Index t, double x, double y) {
+                           return surface.color(t, barycentric(projected.face(t), x, y));
+                       }),
         context);
 }
 
@@ -217,14 +217,15 @@ Image render_mesh(const Mesh& mesh, bool wires, const View& view, const Context&
     }
     return render::draw(
         view, projected.ranges,
-        [&](Index t, Band& band) { rasterize_face(projected.face(t), t, band); },
-        [&](Index t, double x, double y) {
-            const Vec3f clay = kClay * light[t];
-            if (!wires) return clay;
-            const Face f = projected.face(t);
-            const auto share = static_cast<float>(wire_share(f, barycentric(f, x, y)));
-            return clay * (1.0F - share) + kWire * share;
-        },
+        render::opaque([&](Index t, Band& band) { rasterize_face(projected.face(t), t, band); },
+                       [&](Index t, double x, double y) {
+                           const Vec3f clay = kClay * light[t];
+                           if (!wires) return clay;
+                           const Face f = projected.face(t);
+                           const auto share =
+                               static_cast<float>(wire_share(f, barycentric(f, x, y)));
+                           return clay * (1.0F - share) + kWire * share;
+                       }),
         context);
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/kernel.h"
 #include "pointbake/simplify.h"
-#include "texture/kernel.h"
 #include "texture/shell.h"
 
 namespace pointbake {

@@ -330,5 +330,15 @@ TEST_F(Conversion, DemoMakesModelPointsAndPicture) {
     EXPECT_THAT(folder_.read("made/here/demo-picture.png"), HasSubstr("PNG"));
 }
 
+TEST_F(Conversion, RenderDrawsCloudsAndModelsSideBySide) {
+    run_well({"in.ply", "out.glb", "--triangles", "300"});
+    const ProgramRun done = run_well({"render", "in.ply", "out.glb", "both.png", "--wires",
+                                      "--width", "40", "--height", "30", "--transparent"});
+    EXPECT_THAT(done.err, HasSubstr("wrote both.png, 120 x 30 pixels"));
+    EXPECT_THAT(folder_.read("both.png"), testing::StartsWith("\x89PNG"));
+    run_well({"render", "out.glb"});
+    EXPECT_THAT(folder_.files(), ElementsAre("both.png", "in.ply", "out.glb", "out.png"));
+}
+
 }  // namespace
 }  // namespace pointbake::cli

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 TEST(Usage, HelpAndVersionGoToStdoutForEveryCommand) {
     const TemporaryFolder folder;
     for (const char* command :
-         {"convert", "info", "reconstruct", "simplify", "texture", "sample", "demo"}) {
+         {"convert", "info", "reconstruct", "simplify", "texture", "render", "sample", "demo"}) {
         const ProgramRun help = run_program(folder, {command, "--help"});
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_THAT(help.out, HasSubstr("--threads")) << command;
@@ -52,6 +52,10 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"texture", "in.ply"}, "CLOUD"},
         {{"in.ply", "out.glb", "--keep-uvs"}, "--mesh"},
         {{"info", "in.ply", "out.ply"}, "too many"},
+        {{"render"}, "missing FILE"},
+        {{"render", "in.ply", "-o", "picture.jpg"}, ".png"},
+        {{"render", "in.ply", "--direction", "1,2"}, "three numbers"},
+        {{"render", "in.ply", "--direction", "0,1,0"}, "no such view"},
     };
     const std::string input = folder.read("in.ply");
     for (const auto& [words, hint] : cases) {

@@ -182,6 +182,94 @@ TEST(Render, PointsWithoutRadiiCoverTheirSurface) {
     }
 }
 
+// A square sheet of points one apart, with what the texture stage needs of them.
+PointCloud sheet_cloud(int side, double z, Rgb16 color) {
+    PointCloud cloud;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            cloud.positions.push_back({static_cast<double>(x), static_cast<double>(y), z});
+            cloud.colors.push_back(color);
+        }
+    cloud.normals.assign(cloud.size(), {0.0F, 0.0F, 1.0F});
+    cloud.areas.assign(cloud.size(), 1.0F);
+    cloud.radii.assign(cloud.size(), 1.0F);
+    return cloud;
+}
+
+TEST(Render, SplatsBlendTheirColorsInLinearLight) {
+    PointCloud cloud = sheet_cloud(32, 0.0, rgb16_from_8bit(0, 0, 0));
+    for (std::size_t p = 0; p < cloud.size(); ++p)
+        if (p % 32 >= 16) cloud.colors[p] = rgb16_from_8bit(255, 255, 255);
+    const Image image = render_points(cloud, quad_view(31 * 8));
+    // The step lies between columns 15 and 16. It is symmetric in light, half way in its middle, a
+    // ramp of some spacings, and flat elsewhere.
+    const int middle = 31 * 4;
+    EXPECT_NEAR(pixel(image, middle, middle)[0], 188, 12);
+    for (const int x : {middle - 40, middle - 24}) EXPECT_LE(pixel(image, x, middle)[0], 1);
+    for (const int x : {middle + 24, middle + 40}) EXPECT_GE(pixel(image, x, middle)[0], 254);
+    for (int x = middle - 20; x < middle + 20; ++x)
+        EXPECT_LE(pixel(image, x, middle)[0], pixel(image, x + 1, middle)[0]);
+}
+
+TEST(Render, SplatsOfAFartherSheetDoNotShine) {
+    PointCloud cloud = sheet_cloud(32, 0.0, rgb16_from_8bit(200, 30, 40));
+    const PointCloud behind = sheet_cloud(32, -3.0, rgb16_from_8bit(255, 255, 255));
+    cloud.positions.insert(cloud.positions.end(), behind.positions.begin(), behind.positions.end());
+    cloud.colors.insert(cloud.colors.end(), behind.colors.begin(), behind.colors.end());
+    cloud.normals.insert(cloud.normals.end(), behind.normals.begin(), behind.normals.end());
+    cloud.areas.resize(cloud.size(), 1.0F);
+    cloud.radii.resize(cloud.size(), 1.0F);
+    const Image image = render_points(cloud, quad_view(200));
+    for (int k = 40; k < 160; ++k)
+        ASSERT_EQ(pixel(image, k, 100), (std::array<int, 3>{200, 30, 40}));
+}
+
+TEST(Render, EllipticalSplatsAreDrawnAlongTheirAxes) {
+    PointCloud cloud = sheet_cloud(2, 0.0, rgb16_from_8bit(0, 0, 0));
+    cloud.colors[1] = cloud.colors[3] = rgb16_from_8bit(255, 255, 255);  // x = 1
+    cloud.radii.assign(4, 4.0F);
+    cloud.axes.assign(4, {{0.1F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}});
+    View view = quad_view(256);
+    view.zoom *= 0.5;  // 128 pixels per unit, x = 0 at 64, y = 1 too
+    // Narrow along x: a fifth of the way from one to the other the nearer one is all there is.
+    EXPECT_LT(pixel(render_points(cloud, view), 64 + 25, 64)[0], 5);
+    for (TangentAxes& axes : cloud.axes) axes = {{1.0F, 0.0F, 0.0F}, {0.0F, 0.1F, 0.0F}};
+    EXPECT_GT(pixel(render_points(cloud, view), 64 + 25, 64)[0], 100);
+}
+
+TEST(Render, TransparentPicturesHaveCoverageAsAlpha) {
+    View view = quad_view(64);
+    view.zoom *= 0.5;
+    view.is_transparent = true;
+    TexturedMesh model = textured_quad({1, 1, 3, {10, 200, 30}});
+    const Image image = render_textured(model, view);
+    ASSERT_EQ(image.num_channels, 4);
+    const auto at = [&](int x, int y) {
+        const std::size_t k = 4 * static_cast<std::size_t>(64 * y + x);
+        return std::vector<int>(image.pixels.begin() + static_cast<std::ptrdiff_t>(k),
+                                image.pixels.begin() + static_cast<std::ptrdiff_t>(k + 4));
+    };
+    EXPECT_EQ(at(32, 32), (std::vector<int>{10, 200, 30, 255}));
+    EXPECT_EQ(at(2, 2)[3], 0);
+    // Moved by a third of a pixel: the border's pixels are covered by thirds, their colour is the
+    // surface's alone.
+    view.center.x = 1.0 / 3.0 / 32.0 / std::numbers::sqrt2;
+    const Image moved = render_textured(model, view);
+    const std::size_t border = 4 * (64 * 32 + 15);
+    EXPECT_EQ(moved.pixels[border + 3], 85);
+    EXPECT_EQ(moved.pixels[border + 1], 200);
+}
+
+TEST(Render, LooksAtTheBoxItIsGiven) {
+    const Mesh mesh = shapes::cube_mesh();
+    View view = kFront;
+    for (const Vec3d& p : mesh.positions) view.box.extend(p);
+    const Image whole = render_mesh(mesh, false, view);
+    EXPECT_EQ(whole.pixels, render_mesh(mesh, false, kFront).pixels);
+    view.box.extend(view.box.center() + view.box.extent() * 2.0);
+    EXPECT_LT(num_drawn(render_mesh(mesh, false, view)), num_drawn(whole) / 2);
+}
+
 TEST(Render, OfNothingIsBackground) {
     EXPECT_EQ(num_drawn(render_points({}, kFront)), 0U);
     EXPECT_EQ(num_drawn(render_mesh({}, true, kFront)), 0U);
@@ -257,6 +345,7 @@ TEST(ContactSheet, PutsPicturesInRows) {
     EXPECT_EQ(pixel(sheet, 1, 3)[0], 30);
     EXPECT_EQ(pixel(sheet, 3, 3), kBackground);
     EXPECT_THROW(contact_sheet({}, 2), Error);
+    EXPECT_THROW(contact_sheet({a, {1, 1, 4, {0, 0, 0, 0}}}, 2), Error);
     EXPECT_THROW(contact_sheet({a}, 0), Error);
 }
 

@@ -2,9 +2,10 @@
 // rim. By a polynomial: the same bits on every machine, and loops over it vectorise.
 #pragma once
 
-#include "core/splat.h"
-
 namespace pointbake {
+
+/// Standard deviation of a splat over its spacing.
+inline constexpr float kSplatSigma = 0.6F;
 
 /// exp(-q / 2) = exp(-q / 16)^8 for q in [0, 9]: relative error below 4e-4.
 constexpr float gaussian(float q) {

@@ -1,0 +1,102 @@
+// pointbake render: pictures of clouds and models, side by side and seen by one camera.
+#include <algorithm>
+
+#include "command_setup.h"
+#include "commands.h"
+#include "files.h"
+#include "pointbake/render.h"
+
+namespace pointbake::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr CommandText kRenderText = {
+    "pointbake render FILE... [OUT.png] [options]",
+    "Draws clouds (as splats) and models (with their texture) side by side, all as the first one\n"
+    "is looked at; without OUT.png: FILE.png beside the first."};
+
+/// What one file is drawn from: a cloud, or a model where the file has faces.
+struct Subject {
+    PointCloud cloud;
+    std::optional<TexturedMesh> model;
+    const std::vector<Vec3d>& positions() const {
+        return model ? model->mesh.positions : cloud.positions;
+    }
+};
+
+Subject load_subject(const fs::path& path, const Context& context) {
+    LoadResult loaded = load_cloud(path, {}, context);
+    if (loaded.mesh) return {.cloud = {}, .model = load_mesh(path, context)};
+    return {.cloud = estimate_attributes(std::move(loaded.cloud), {}, context).cloud, .model = {}};
+}
+
+View view_of(const PictureOptions& options, const Subject& first) {
+    View view{.direction = options.direction,
+              .up = options.up,
+              .zoom = options.zoom,
+              .center = {},
+              .width = options.width,
+              .height = options.height,
+              .is_transparent = options.transparent,
+              .box = {}};
+    for (const Vec3d& p : first.positions()) view.box.extend(p);
+    return view;
+}
+
+/// A mesh without colours is shown as clay.
+bool has_color(const TexturedMesh& model) {
+    return !model.mesh.colors.empty() ||
+           std::ranges::any_of(model.materials,
+                               [](const Material& m) { return m.color_image >= 0; });
+}
+
+/// The last name is the picture if it ends like one.
+void settle_picture(ParsedLine& line) {
+    line.inputs.insert(line.inputs.end(), line.files.begin(), line.files.end());
+    if (line.output.empty() && !line.files.empty() && line.files.back().extension() == ".png") {
+        line.output = line.files.back();
+        line.inputs.pop_back();
+    }
+    if (line.inputs.empty()) fail(ErrorCode::kInvalidOption, "missing FILE; see --help");
+    if (line.output.empty()) line.output = fs::path(line.inputs[0]).replace_extension(".png");
+    constexpr std::string_view extension = ".png";
+    check_extension(line.output, {&extension, 1});
+    check_writable(line.output, line.inputs);
+}
+
+}  // namespace
+
+void run_render(Words words, const std::stop_token& stop) {
+    PictureOptions options;
+    RunOptions run;
+    OptionTable table;
+    table.add(OptionGroup::kOutput, true, options);
+    table.add(OptionGroup::kRunning, false, run);
+    ParsedLine line;
+    if (!read_line(words, kRenderText, table, line)) return;
+    settle_picture(line);
+    Console console(line.verbosity, run.progress);
+    const Context context = console.context(run.threads, stop);
+    View view;
+    std::vector<Image> pictures;
+    for (const fs::path& input : line.inputs) {
+        const Subject subject = load_subject(input, context);
+        if (pictures.empty()) view = view_of(options, subject);
+        if (!subject.model) {
+            pictures.push_back(render_points(subject.cloud, view, context));
+            continue;
+        }
+        pictures.push_back(has_color(*subject.model)
+                               ? render_textured(*subject.model, view, context)
+                               : render_mesh(subject.model->mesh, false, view, context));
+        if (options.wires)
+            pictures.push_back(render_mesh(subject.model->mesh, true, view, context));
+    }
+    const Image sheet = contact_sheet(pictures, static_cast<int>(pictures.size()));
+    write_png(sheet, line.output, context);
+    console.summary(
+        fmt::format("wrote {}, {} x {} pixels", line.output.string(), sheet.width, sheet.height));
+}
+
+}  // namespace pointbake::cli
