@@ -17,9 +17,11 @@ constexpr int kMaxWalk =
 constexpr double kInside = -1e-9;  // barycentrics this negative are rounding
 constexpr double kMinFacing =
     0.17;  // cos 80 degrees: surfels seen more obliquely are another part of the surface
-constexpr double kMaxStretch = 2.0;          // axes grow by more only where the prism degenerates
-constexpr double kMinAxis = 0.1;             // of sigma: an edge-on surfel keeps this width
-constexpr double kMaxSigmaOverMedian = 8.0;  // larger ones belong to outliers
+constexpr double kMaxStretch = 2.0;  // axes grow by more only where the prism degenerates
+constexpr double kMinAxis = 0.1;     // of sigma: an edge-on surfel keeps this width
+constexpr double kOrthogonalShare = 2.0 / 3.0;  // of the way from a foot to the orthogonal one
+constexpr double kMostOfTheWay = 0.5;           // to the nearest side
+constexpr double kMaxSigmaOverMedian = 8.0;     // larger ones belong to outliers
 
 struct Placed {
     Index triangle = kInvalidIndex;
@@ -70,6 +72,39 @@ TangentAxes circular_axes(Vec3d n, double sigma) {
     return {vec_cast<float>(u * sigma), vec_cast<float>(cross(n, u) * sigma)};
 }
 
+// Distance of a place within the triangle to its nearest side; 0 outside.
+double distance_to_sides(const TriangleFrame& frame, Vec2d x) {
+    double distance = HUGE_VAL;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2d a = frame.corners[k], side = frame.corners[(k + 1) % 3] - a;
+        distance = std::min(distance, cross(side, x - a) / length(side));
+    }
+    return std::max(distance, 0.0);
+}
+
+// Where on the triangle a point is painted, and how a small step in space moves that place.
+struct Foot {
+    Vec2d place;
+    std::array<Vec3d, 2> gradient;
+};
+
+// Viewers who look along a triangle see little of it. So what is seen of a point lies, in the mean,
+// nearer to its orthogonal foot than to its foot along the interpolated normal. It is moved that
+// way, but not out of its prism by more than its splat bridges: the paint stays whole.
+Foot painted_foot(const ShellPoint& at, const TriangleFrame& frame, Vec3d p, double sigma) {
+    Vec2d x{};
+    for (std::size_t k = 0; k < 3; ++k) x = x + frame.corners[k] * at.barycentric[k];
+    const Vec3d d = p - frame.origin;
+    const Vec2d way = Vec2d{dot(frame.ex, d), dot(frame.ey, d)} - x;
+    const double distance = length(way);
+    if (!(distance > 0.0)) return {x, at.gradient};
+    const double most = sigma + kMostOfTheWay * distance_to_sides(frame, x);
+    const double share = std::min(kOrthogonalShare, most / distance);
+    return {x + way * share,
+            {at.gradient[0] * (1.0 - share) + frame.ex * share,
+             at.gradient[1] * (1.0 - share) + frame.ey * share}};
+}
+
 Footprint make_footprint(const PointCloud& cloud, Index point, const ShellPoint& at,
                          const TriangleFrame& frame, double sigma) {
     Vec3d n = cloud.normals.empty() ? at.direction : vec_cast<double>(cloud.normals[point]);
@@ -81,14 +116,13 @@ Footprint make_footprint(const PointCloud& cloud, Index point, const ShellPoint&
     f.point = point;
     f.depth = static_cast<float>(at.depth);
     f.hidden = dot(n, at.direction) < kMinFacing;
-    Vec2d x{};
-    for (std::size_t k = 0; k < 3; ++k) x = x + frame.corners[k] * at.barycentric[k];
-    f.center = {static_cast<float>(x.x), static_cast<float>(x.y)};
+    const Foot foot = painted_foot(at, frame, cloud.positions[point], sigma);
+    f.center = {static_cast<float>(foot.place.x), static_cast<float>(foot.place.y)};
 
     double vxx = 0.0, vxy = 0.0, vyy = 0.0;
     for (const Vec3f& axis : {axes.u, axes.v}) {
         const Vec3d a = vec_cast<double>(axis);
-        const double jx = dot(at.gradient[0], a), jy = dot(at.gradient[1], a);
+        const double jx = dot(foot.gradient[0], a), jy = dot(foot.gradient[1], a);
         vxx += jx * jx, vxy += jx * jy, vyy += jy * jy;
     }
     // A degenerate prism may blow an axis up: then the circle in the plane stands in.

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/adjacency.h"
 #include "core/hash.h"
+#include "texture/footprints.h"
 
 namespace pointbake {
 namespace {
@@ -78,6 +80,52 @@ TEST(Shell, VertexNormalsLookOutOfEveryFaceAround) {
         const TriangleFrame frame = triangle_frame(mesh, t);
         EXPECT_GT(dot(vec_cast<double>(normals[0]), frame.ez), 0.0) << "face " << t;
     }
+}
+
+// Places of the points over one triangle, in its plane, for a projection.
+Vec2d painted_place(const Mesh& mesh, Vec3d p, float area, Projection projection) {
+    PointCloud cloud;
+    cloud.positions = {p};
+    cloud.areas = {area};
+    cloud.rows = {0};
+    const Shell shell(mesh, projection, {});
+    const Index owner = 0;
+    const Footprints prints = project_points(mesh, cloud, {&owner, 1}, shell,
+                                             triangle_neighbors(mesh.triangles), Kernel{}, {});
+    EXPECT_EQ(prints.of(0).size(), 1U);
+    const Vec2f center = prints.of(0)[0].center;
+    return {static_cast<double>(center.x), static_cast<double>(center.y)};
+}
+
+TEST(Footprints, AreTwoThirdsOfTheWayToTheOrthogonalFoot) {
+    const Mesh mesh = bent_mesh();
+    const Shell shell(mesh, Projection::kInterpolated, {});
+    const TriangleFrame& frame = shell.frame(0);
+    const Vec3d p = frame.place({0.4 * frame.base(), 0.35 * frame.height()}) + frame.ez * 0.05;
+    Vec2d along_normal{};
+    for (std::size_t k = 0; k < 3; ++k)
+        along_normal = along_normal + frame.corners[k] * shell.project(0, p).barycentric[k];
+    const Vec2d orthogonal = painted_place(mesh, p, 1e-6F, Projection::kOrthographic);
+    const Vec2d painted = painted_place(mesh, p, 1e-6F, Projection::kInterpolated);
+    ASSERT_GT(length(orthogonal - along_normal), 0.01);
+    EXPECT_NEAR(length(painted - along_normal), 2.0 / 3.0 * length(orthogonal - along_normal),
+                1e-5);
+    EXPECT_NEAR(length(painted - orthogonal), 1.0 / 3.0 * length(orthogonal - along_normal), 1e-5);
+}
+
+TEST(Footprints, AtTheWallOfAPrismStayThere) {
+    const Mesh mesh = bent_mesh();
+    const Shell shell(mesh, Projection::kInterpolated, {});
+    // On the edge from the tip to corner 1, shared by triangles 0 and 2, and well above it.
+    const Vec3d n = vec_cast<double>(shell.normals()[0]) + vec_cast<double>(shell.normals()[1]);
+    const Vec3d p = (mesh.positions[0] + mesh.positions[1] + n * 0.3) * 0.5;
+    const TriangleFrame& frame = shell.frame(0);
+    const Vec2d edge = (frame.corners[0] + frame.corners[1]) * 0.5;
+    const Vec2d orthogonal = painted_place(mesh, p, 1e-6F, Projection::kOrthographic);
+    ASSERT_GT(length(orthogonal - edge), 0.05);
+    const float sigma = 0.006F;
+    const Vec2d painted = painted_place(mesh, p, 1e-4F, Projection::kInterpolated);
+    EXPECT_LE(length(painted - edge), static_cast<double>(sigma) + 1e-5);
 }
 
 }  // namespace
