@@ -7,6 +7,8 @@ usage: measure.py round-trip TRUTH CLOUD RESULT   colour at random points of the
        measure.py flat RESULT                     neighbouring triangles with at most 8 and at least 200 texels
        measure.py held-out CLOUD.ply PROGRAM [OPTION...]   converts nine points in ten; RMS of the texture at the others,
                                                   in 8-bit steps, beside the colour of the nearest point that was used
+       measure.py views CLOUD RESULT PROGRAM [FOLDER]     24 pictures of the mesh against the same of the points as splats,
+                                                  where both cover a pixel entirely; FOLDER keeps the pictures
 
 Needs the bench beside the checkout (../shared/quality, or POINTBAKE_QUALITY), what it needs, and python3-open3d.
 """
@@ -23,6 +25,7 @@ import open3d as o3d
 from compare import fibonacci_sphere, psnr, view_rays
 from limit import limits
 from meshio import load_mesh, read_ply
+from PIL import Image
 from raycast import Scene
 from sample import at, sample_random
 from scipy.spatial import cKDTree
@@ -63,6 +66,28 @@ def held_out(cloud, program, *options):
     _, nearest = cKDTree(where[~out]).query(where[out])
     rms = lambda a: 255 * float(np.sqrt(((a - color[out]) ** 2).mean()))
     print(f"{out.sum()} held out, RMS {rms(got):.2f}, nearest point {rms(color[~out][nearest]):.2f}")
+
+
+def views(cloud, result, program, folder=None):
+    """Pooled PSNR over all views, the worst view's, and how far the two cover the same pixels."""
+    error, pixels, both, either = [], [], 0, 0
+    with tempfile.TemporaryDirectory() as scratch:
+        os.makedirs(folder or scratch, exist_ok=True)
+        for number, direction in enumerate(fibonacci_sphere(24)):
+            up = (0, 1, 0) if abs(direction[1]) < 0.9 else (1, 0, 0)
+            sheet = os.path.join(folder or scratch, f"view{number:02d}.png")
+            axis = lambda v: ",".join(f"{x:.9g}" for x in v)
+            subprocess.run([program, "render", cloud, result, sheet, "--transparent", "-q", "--direction=" + axis(direction),
+                            "--up=" + axis(up), "--width", "512", "--height", "512"], check=True)
+            points, mesh = np.split(np.asarray(Image.open(sheet), float), [512], axis=1)
+            solid = (points[..., 3] == 255) & (mesh[..., 3] == 255)
+            error.append((((points - mesh)[solid][:, :3] / 255) ** 2).mean(1).sum())
+            pixels.append(solid.sum())
+            share = np.stack([points[..., 3], mesh[..., 3]])
+            both, either = both + share.min(0).sum(), either + share.max(0).sum()
+    worst = int(np.argmax(np.array(error) / np.maximum(pixels, 1)))
+    print(f"views {psnr(sum(error) / sum(pixels)):.2f} dB, worst {psnr(error[worst] / pixels[worst]):.2f} (view {worst}), "
+          f"IoU {both / either:.4f}")
 
 
 def round_trip(truth, cloud, result):
@@ -111,10 +136,10 @@ def flat(result):
 
 if __name__ == "__main__":
     commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1),
-                "held-out": (held_out, 2)}
+                "held-out": (held_out, 2), "views": (views, 3)}
     given = len(sys.argv) - 2
     if given < 0 or sys.argv[1] not in commands or given < commands[sys.argv[1]][1]:
         sys.exit(__doc__)
-    if given > commands[sys.argv[1]][1] and sys.argv[1] != "held-out":
+    if given > commands[sys.argv[1]][1] + (sys.argv[1] == "views") and sys.argv[1] != "held-out":
         sys.exit(__doc__)
     commands[sys.argv[1]][0](*sys.argv[2:])
