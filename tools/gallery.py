@@ -19,6 +19,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 PICTURES = os.path.join(HERE, "../docs/pictures")
 DATA = os.environ.get("POINTBAKE_DATA", os.path.join(HERE, "../../shared/data"))
 BENCH = os.environ.get("POINTBAKE_QUALITY", os.path.join(HERE, "../../shared/quality"))
+TEXELS = 1 << 20  # at which the lettering is shown
 BACKGROUND = (244, 245, 240)  # the program's own
 
 # name, file, direction to the viewer, up, zoom
@@ -66,8 +67,66 @@ def clouds(program, folder):
               f"{said['write']['bytes'] / 1e6:.1f} MB | {views} |", flush=True)
 
 
+def figure7(program, folder):
+    cloud = os.path.join(folder, "demo-points.ply")
+    run(program, "demo", os.path.join(folder, "demo.glb"), "-q")
+    look, side = ("0.55,0.45,1", "0,1,0", "1.3"), 300
+    sheet = Image.new("RGB", (5 * side, 2 * side), BACKGROUND)
+    sheet.paste(render(program, [cloud], os.path.join(folder, "points.png"), *look, side, side), (0, side // 2))
+    for row, projection in enumerate(["interpolated", "orthographic"]):
+        for column, triangles in enumerate([11340, 3420, 446, 30]):
+            model = os.path.join(folder, f"demo-{triangles}-{projection}.glb")
+            run(program, cloud, model, "-q", "--triangles", triangles, "--projection", projection)
+            both = render(program, [cloud, model], model + ".png", *look, side, side)
+            sheet.paste(both.crop((side, 0, 2 * side, side)), ((1 + column) * side, row * side))
+    save(sheet, "figure7.png")
+
+
+def add_normals(program, cloud, out):
+    """For the baseline: the normals of pointbake's dense mesh, whose vertices are the points."""
+    import numpy as np
+    import open3d as o3d
+    from scipy.spatial import cKDTree
+    run(program, "reconstruct", cloud, out, "-q")
+    points, mesh = o3d.io.read_point_cloud(cloud), o3d.io.read_triangle_mesh(out)
+    mesh.compute_vertex_normals()
+    _, nearest = cKDTree(np.asarray(mesh.vertices)).query(np.asarray(points.points))
+    points.normals = o3d.utility.Vector3dVector(np.asarray(mesh.vertex_normals)[nearest])
+    o3d.io.write_point_cloud(out, points)
+
+
+def three_pictures(program, folder, cloud, with_normals, texels, name, size, zoom):
+    """Points, baseline and pointbake, all at 2500 triangles and the same budget of texels."""
+    budget = ["--triangles", 2500, "--texels", texels]
+    base, ours = (os.path.join(folder, f"{name}-{texels}-{k}") for k in ("base.obj", "pointbake.glb"))
+    run("/usr/bin/python3", needed(BENCH, "baseline.py"), with_normals, base, *budget)
+    run(program, cloud, ours, "-q", *budget)
+    sheet = render(program, [cloud, base, ours], os.path.join(folder, name + ".png"), "0,0,1", "0,1,0", zoom, *size)
+    return [sheet.crop((k * size[0], 0, (k + 1) * size[0], size[1])) for k in range(3)]
+
+
+def lettering(program, folder):
+    cloud, with_normals = (os.path.join(folder, "letters" + end) for end in ("-points.ply", "-normals.ply"))
+    run(program, "demo", os.path.join(folder, "letters.glb"), "-q", "--points", 1000000, "--triangles", 2500, "--texels", TEXELS)
+    add_normals(program, cloud, with_normals)
+    pictures = three_pictures(program, folder, cloud, with_normals, TEXELS, "letters", (2400, 1800), "1.75")
+    cut = [p.crop((530, 1180, 1870, 1640)).resize((960, 330), Image.Resampling.LANCZOS) for p in pictures]
+    sheet = Image.new("RGB", (960, 1010), BACKGROUND)
+    for row, picture in enumerate(cut):
+        sheet.paste(picture, (0, 340 * row))
+    save(sheet, "lettering.png")
+
+    tablet = os.path.join(folder, "tablet.ply")
+    run(program, "sample", needed(DATA, "textured/clay_tablet.obj"), tablet, "-q", "--points", 500000)
+    pictures = three_pictures(program, folder, tablet, tablet, 1 << 17, "tablet", (1600, 1600), "1.3")
+    sheet = Image.new("RGB", (1460, 480), BACKGROUND)
+    for column, picture in enumerate(pictures):
+        sheet.paste(picture.crop((360, 60, 1000, 700)).resize((480, 480), Image.Resampling.LANCZOS), (490 * column, 0))
+    save(sheet, "tablet.png")
+
+
 def main():
-    commands = {"clouds": clouds}
+    commands = {"clouds": clouds, "figure7": figure7, "lettering": lettering}
     if len(sys.argv) != 4 or sys.argv[1] not in commands:
         sys.exit(__doc__)
     os.makedirs(sys.argv[3], exist_ok=True)

@@ -5,6 +5,7 @@ usage: measure.py round-trip TRUTH CLOUD RESULT   colour at random points of the
        measure.py bound REPORT POINTS RESULT      farthest kept point of --write-points / the bound of --report
        measure.py dense TRUTH SPACING MESH.ply    share of pixels in which the first surface hit is the true one
        measure.py flat RESULT                     neighbouring triangles with at most 8 and at least 200 texels
+       measure.py seams RESULT                    seam_rms and border_rms, as compare.py measures them
        measure.py held-out CLOUD.ply PROGRAM [OPTION...]   converts nine points in ten; RMS of the texture at the others,
                                                   in 8-bit steps, beside the colour of the nearest point that was used
        measure.py views CLOUD RESULT PROGRAM [FOLDER]     24 pictures of the mesh against the same of the points as splats,
@@ -26,7 +27,7 @@ sys.path.insert(0, os.environ.get("POINTBAKE_QUALITY", os.path.join(os.path.dirn
 import numpy as np
 import open3d as o3d
 
-from compare import fibonacci_sphere, psnr, view_rays
+from compare import fibonacci_sphere, psnr, seam_rms, view_rays
 from limit import limits
 from meshio import load_mesh, read_ply
 from PIL import Image, ImageOps
@@ -193,8 +194,12 @@ def flat(result):
     print(f"{len(pairs)} pairs")
 
 
+def seams(result):
+    print("seam_rms {:.2f}, border_rms {:.2f}".format(*seam_rms(load_mesh(result))))
+
+
 if __name__ == "__main__":
-    commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1),
+    commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1), "seams": (seams, 1),
                 "held-out": (held_out, 2), "views": (views, 3), "lettering": (lettering, 3)}
     given = len(sys.argv) - 2
     if given < 0 or sys.argv[1] not in commands or given < commands[sys.argv[1]][1]:
