@@ -23,7 +23,7 @@ TEXELS = 1 << 20  # at which the lettering is shown
 BACKGROUND = (244, 245, 240)  # the program's own
 
 # name, file, direction to the viewer, up, zoom
-CLOUDS = [("guanyin", "guanyin", "0.15,0.1,1", "0,1,0", "1.35"),
+CLOUDS = [("guanyin", "guanyin", "0.15,0.1,1", "0,1,0", "1.25"),
           ("lion", "lion_takanawa", "1,-0.15,0.3", "0,0,1", "1.35"),
           ("pump", "pump", "0.3,-1,0.3", "0,0,1", "1.35"),
           ("pond", "pond_surfels", "0.8,1,0.4", "0,1,0", "1.5"),
