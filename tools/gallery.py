@@ -5,7 +5,7 @@ usage: gallery.py clouds PROGRAM FOLDER      five real clouds: points, mesh, tri
        gallery.py figure7 PROGRAM FOLDER     the demo model at four budgets, both projections -> docs/pictures/figure7.png
        gallery.py lettering PROGRAM FOLDER   points, baseline, pointbake -> docs/pictures/lettering.png, tablet.png
 
-FOLDER gets the models and stays out of the repository. The clouds lie beside the checkout (../shared/data, or
+FOLDER gets the models, which are made once, and stays out of the repository. The clouds lie beside the checkout (../shared/data, or
 POINTBAKE_DATA), as does the bench with the baseline (../shared/quality, or POINTBAKE_QUALITY).
 """
 import json
@@ -41,16 +41,21 @@ def run(*words):
     return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout
 
 
+def make(path, *words):
+    if not os.path.exists(path):
+        run(*words)
+
+
 def render(program, files, picture, direction, up, zoom, width=480, height=480, *options):
     run(program, "render", *files, picture, "-q", f"--direction={direction}", f"--up={up}", "--zoom", zoom,
         "--width", width, "--height", height, *options)
     return Image.open(picture).convert("RGB")
 
 
-def save(picture, name):
+def save(picture, name, dither=Image.Dither.FLOYDSTEINBERG):
     """256 colours are enough for a page, and keep the repository small."""
     path = os.path.join(PICTURES, name)
-    picture.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+    picture.quantize(palette=picture.quantize(256), dither=dither).save(path, optimize=True)
     print(f"{name}: {picture.width} x {picture.height}, {os.path.getsize(path) / 1000:.0f} kB")
 
 
@@ -58,7 +63,7 @@ def clouds(program, folder):
     for name, file, *look in CLOUDS:
         cloud, model = needed(DATA, "colored_points", file + ".ply"), os.path.join(folder, name + ".glb")
         report = os.path.join(folder, name + ".json")
-        run(program, cloud, model, "-q", "--report", report)
+        make(model, program, cloud, model, "-q", "--report", report)
         save(render(program, [cloud, model], os.path.join(folder, name + ".png"), *look, 480, 480, "--wires"),
              f"gallery-{name}.png")
         said = json.load(open(report))
@@ -69,16 +74,16 @@ def clouds(program, folder):
 
 def figure7(program, folder):
     cloud = os.path.join(folder, "demo-points.ply")
-    run(program, "demo", os.path.join(folder, "demo.glb"), "-q")
-    look, side = ("0.55,0.45,1", "0,1,0", "1.3"), 300
-    sheet = Image.new("RGB", (5 * side, 2 * side), BACKGROUND)
-    sheet.paste(render(program, [cloud], os.path.join(folder, "points.png"), *look, side, side), (0, side // 2))
+    make(cloud, program, "demo", os.path.join(folder, "demo.glb"), "-q")
+    look, width, height = ("0.55,0.45,1", "0,1,0", "1.38"), 300, 250
+    sheet = Image.new("RGB", (5 * width, 2 * height), BACKGROUND)
+    sheet.paste(render(program, [cloud], os.path.join(folder, "points.png"), *look, width, height), (0, height // 2))
     for row, projection in enumerate(["interpolated", "orthographic"]):
         for column, triangles in enumerate([11340, 3420, 446, 30]):
             model = os.path.join(folder, f"demo-{triangles}-{projection}.glb")
-            run(program, cloud, model, "-q", "--triangles", triangles, "--projection", projection)
-            both = render(program, [cloud, model], model + ".png", *look, side, side)
-            sheet.paste(both.crop((side, 0, 2 * side, side)), ((1 + column) * side, row * side))
+            make(model, program, cloud, model, "-q", "--triangles", triangles, "--projection", projection)
+            both = render(program, [cloud, model], model + ".png", *look, width, height)
+            sheet.paste(both.crop((width, 0, 2 * width, height)), ((1 + column) * width, row * height))
     save(sheet, "figure7.png")
 
 
@@ -99,25 +104,26 @@ def three_pictures(program, folder, cloud, with_normals, texels, name, size, zoo
     """Points, baseline and pointbake, all at 2500 triangles and the same budget of texels."""
     budget = ["--triangles", 2500, "--texels", texels]
     base, ours = (os.path.join(folder, f"{name}-{texels}-{k}") for k in ("base.obj", "pointbake.glb"))
-    run("/usr/bin/python3", needed(BENCH, "baseline.py"), with_normals, base, *budget)
-    run(program, cloud, ours, "-q", *budget)
+    make(base, "/usr/bin/python3", needed(BENCH, "baseline.py"), with_normals, base, *budget)
+    make(ours, program, cloud, ours, "-q", *budget)
     sheet = render(program, [cloud, base, ours], os.path.join(folder, name + ".png"), "0,0,1", "0,1,0", zoom, *size)
     return [sheet.crop((k * size[0], 0, (k + 1) * size[0], size[1])) for k in range(3)]
 
 
 def lettering(program, folder):
     cloud, with_normals = (os.path.join(folder, "letters" + end) for end in ("-points.ply", "-normals.ply"))
-    run(program, "demo", os.path.join(folder, "letters.glb"), "-q", "--points", 1000000, "--triangles", 2500, "--texels", TEXELS)
-    add_normals(program, cloud, with_normals)
+    make(cloud, program, "demo", os.path.join(folder, "letters.glb"), "-q", "--points", 1000000)
+    if not os.path.exists(with_normals):
+        add_normals(program, cloud, with_normals)
     pictures = three_pictures(program, folder, cloud, with_normals, TEXELS, "letters", (2400, 1800), "1.75")
     cut = [p.crop((530, 1180, 1870, 1640)).resize((960, 330), Image.Resampling.LANCZOS) for p in pictures]
     sheet = Image.new("RGB", (960, 1010), BACKGROUND)
     for row, picture in enumerate(cut):
         sheet.paste(picture, (0, 340 * row))
-    save(sheet, "lettering.png")
+    save(sheet, "lettering.png", Image.Dither.NONE)
 
     tablet = os.path.join(folder, "tablet.ply")
-    run(program, "sample", needed(DATA, "textured/clay_tablet.obj"), tablet, "-q", "--points", 500000)
+    make(tablet, program, "sample", needed(DATA, "textured/clay_tablet.obj"), tablet, "-q", "--points", 500000)
     pictures = three_pictures(program, folder, tablet, tablet, 1 << 17, "tablet", (1600, 1600), "1.3")
     sheet = Image.new("RGB", (1460, 480), BACKGROUND)
     for column, picture in enumerate(pictures):
