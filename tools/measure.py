@@ -5,24 +5,32 @@ usage: measure.py round-trip TRUTH CLOUD RESULT   colour at random points of the
        measure.py bound REPORT POINTS RESULT      farthest kept point of --write-points / the bound of --report
        measure.py dense TRUTH SPACING MESH.ply    share of pixels in which the first surface hit is the true one
        measure.py flat RESULT                     neighbouring triangles with at most 8 and at least 200 texels
+       measure.py seams RESULT                    seam_rms and border_rms, as compare.py measures them
        measure.py held-out CLOUD.ply PROGRAM [OPTION...]   converts nine points in ten; RMS of the texture at the others,
                                                   in 8-bit steps, beside the colour of the nearest point that was used
+       measure.py views CLOUD RESULT PROGRAM [FOLDER]     24 pictures of the mesh against the same of the points as splats,
+                                                  where both cover a pixel entirely; FOLDER keeps the pictures
+       measure.py lettering CLOUD RESULT PROGRAM [-v]     words of the demo model's lettering that tesseract reads in pictures
+                                                  of the points and of the mesh; -v: what it reads
 
 Needs the bench beside the checkout (../shared/quality, or POINTBAKE_QUALITY), what it needs, and python3-open3d.
 """
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 
 sys.path.insert(0, os.environ.get("POINTBAKE_QUALITY", os.path.join(os.path.dirname(__file__), "../../shared/quality")))
 import numpy as np
 import open3d as o3d
 
-from compare import fibonacci_sphere, psnr, view_rays
+from compare import fibonacci_sphere, psnr, seam_rms, view_rays
 from limit import limits
 from meshio import load_mesh, read_ply
+from PIL import Image, ImageOps
 from raycast import Scene
 from sample import at, sample_random
 from scipy.spatial import cKDTree
@@ -63,6 +71,83 @@ def held_out(cloud, program, *options):
     _, nearest = cKDTree(where[~out]).query(where[out])
     rms = lambda a: 255 * float(np.sqrt(((a - color[out]) ** 2).mean()))
     print(f"{out.sum()} held out, RMS {rms(got):.2f}, nearest point {rms(color[~out][nearest]):.2f}")
+
+
+def views(cloud, result, program, folder=None):
+    """Pooled PSNR over all views, the worst view's, and how far the two cover the same pixels."""
+    error, pixels, both, either = [], [], 0, 0
+    with tempfile.TemporaryDirectory() as scratch:
+        os.makedirs(folder or scratch, exist_ok=True)
+        for number, direction in enumerate(fibonacci_sphere(24)):
+            up = (0, 1, 0) if abs(direction[1]) < 0.9 else (1, 0, 0)
+            sheet = os.path.join(folder or scratch, f"view{number:02d}.png")
+            axis = lambda v: ",".join(f"{x:.9g}" for x in v)
+            subprocess.run([program, "render", cloud, result, sheet, "--transparent", "-q", "--direction=" + axis(direction),
+                            "--up=" + axis(up), "--width", "512", "--height", "512"], check=True)
+            points, mesh = np.split(np.asarray(Image.open(sheet), float), [512], axis=1)
+            solid = (points[..., 3] == 255) & (mesh[..., 3] == 255)
+            error.append((((points - mesh)[solid][:, :3] / 255) ** 2).mean(1).sum())
+            pixels.append(solid.sum())
+            share = np.stack([points[..., 3], mesh[..., 3]])
+            both, either = both + share.min(0).sum(), either + share.max(0).sum()
+    worst = int(np.argmax(np.array(error) / np.maximum(pixels, 1)))
+    print(f"views {psnr(sum(error) / sum(pixels)):.2f} dB, worst {psnr(error[worst] / pixels[worst]):.2f} (view {worst}), "
+          f"IoU {both / either:.4f}")
+
+
+def lettering_lines():
+    """Face, middle of the baseline, height and text of the demo model's lines of words, from the program's source."""
+    source = open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../src/model/lettering.cpp")).read()
+    line = r'\{BoxFace::k(\w+),\s*\{([\d.]+), ([\d.]+)\},\s*([\d.]+),\s*[\d.]+,\s*Ink::\w+,\s*"([^"]+)"\}'
+    found = [(face, float(u), float(v), float(size), text) for face, u, v, size, text in re.findall(line, source)]
+    return [f for f in found if f[2] < 0.76 and not re.search("[0-9]|(?i:abcdef)", f[4])]
+
+
+def read_line(picture, height):
+    """What tesseract reads in one line of text: grey, dark on bright, capitals 48 pixels high."""
+    grey = ImageOps.autocontrast(picture.convert("L"))
+    if np.median(np.asarray(grey)) < 128:
+        grey = ImageOps.invert(grey)
+    grey = grey.resize([max(1, round(n * 48 / height)) for n in grey.size], Image.Resampling.LANCZOS)
+    with tempfile.NamedTemporaryFile(suffix=".png") as file:
+        ImageOps.expand(grey, 24, int(np.median(np.asarray(grey)))).save(file.name)
+        return subprocess.run(["tesseract", file.name, "-", "--psm", "7"], check=True, capture_output=True, text=True).stdout
+
+
+def words(text):
+    return Counter(w for w in re.sub("[^a-z]+", " ", text.lower()).split())
+
+
+def lettering(cloud, result, program, *options):
+    views = {"Front": "0,0,1", "Back": "0,0,-1", "Right": "1,0,0", "Left": "-1,0,0", "Bottom": "0,-1,0"}
+    rows = read_ply(cloud)["vertex"]
+    size = np.array([np.ptp(rows[k].astype(float)) for k in "xyz"])
+    width, height, zoom = 2400, 1800, 1.75
+    pixels = height * zoom / np.linalg.norm(size) * size.max()  # per longest side
+    wanted, read = 0, [0, 0]
+    with tempfile.TemporaryDirectory() as folder:
+        for face, direction in views.items():
+            sheet = os.path.join(folder, face + ".png")
+            subprocess.run([program, "render", cloud, result, sheet, "-q", "--direction=" + direction, "--zoom", str(zoom),
+                            "--up=" + ("0,0,1" if face == "Bottom" else "0,1,0"), "--width", str(width), "--height",
+                            str(height)], check=True)
+            image = Image.open(sheet)
+            middle = 0.5 * np.array([size[2 if face in ("Left", "Right") else 0], size[2 if face == "Bottom" else 1]]) / size.max()
+            for side, u, v, tall, text in lettering_lines():
+                if side != face:
+                    continue
+                truth = words(text)
+                wanted += truth.total()
+                x, y = width / 2 + (u - middle[0]) * pixels, height / 2 - (v - middle[1]) * pixels
+                half = tall * pixels * (0.5 + len(text) * (0.45 if text.isupper() else 0.36))
+                seen = []
+                for k in (0, 1):
+                    box = (x - half, y - 1.15 * tall * pixels, x + half, y + 0.38 * tall * pixels)
+                    seen.append(read_line(image.crop([round(b + width * k * (n % 2 == 0)) for n, b in enumerate(box)]), tall * pixels))
+                    read[k] += (truth & words(seen[k])).total()
+                if options:
+                    print(f"{tall:.4f} {text!r}: points {seen[0].strip()!r}, mesh {seen[1].strip()!r}")
+    print(f"{wanted} words: points {read[0]} ({100 * read[0] / wanted:.0f} %), mesh {read[1]} ({100 * read[1] / wanted:.0f} %)")
 
 
 def round_trip(truth, cloud, result):
@@ -109,12 +194,16 @@ def flat(result):
     print(f"{len(pairs)} pairs")
 
 
+def seams(result):
+    print("seam_rms {:.2f}, border_rms {:.2f}".format(*seam_rms(load_mesh(result))))
+
+
 if __name__ == "__main__":
-    commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1),
-                "held-out": (held_out, 2)}
+    commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1), "seams": (seams, 1),
+                "held-out": (held_out, 2), "views": (views, 3), "lettering": (lettering, 3)}
     given = len(sys.argv) - 2
     if given < 0 or sys.argv[1] not in commands or given < commands[sys.argv[1]][1]:
         sys.exit(__doc__)
-    if given > commands[sys.argv[1]][1] and sys.argv[1] != "held-out":
+    if given > commands[sys.argv[1]][1] + (sys.argv[1] in ("views", "lettering")) and sys.argv[1] != "held-out":
         sys.exit(__doc__)
     commands[sys.argv[1]][0](*sys.argv[2:])
