@@ -109,7 +109,7 @@ async function open_page(url) {
 }
 
 const kTableHead = '| model | filter | distance | pixels | truth | result | worse | worst direction | level 0 | moved | ' +
-                   'worse where not | magenta | nearest |';
+                   'worse where not | magenta | above 1/8 | nearest |';
 
 function line_of(name, row) {
   const cells = [name, row.filter, `${row.times.toFixed(2)}x`];
@@ -117,7 +117,8 @@ function line_of(name, row) {
   else
     cells.push(row.pixels, row.truth.toFixed(2), row.result.toFixed(2), row.worse.toFixed(2), row.worst.by.toFixed(2),
                row.plain.toFixed(2), `${(100 * row.moved).toFixed(0)} %`, row.still_worse.toFixed(2));
-  cells.push(row.magenta.share.toFixed(3), row.magenta.nearest);
+  const { share, above, pixels, nearest } = row.magenta;
+  cells.push(share.toFixed(3), `${(100 * above / pixels).toFixed(2)} %`, nearest);
   return `| ${cells.join(' | ')} |`;
 }
 
@@ -135,11 +136,11 @@ async function measure_model(page, url, name, files) {
   await page.evaluate((them) => window.open_models(them), urls);
   const failures = [];
   for (const times of kDistances) {
-    const rows = await page.evaluate(async (t, with_pictures) => {
-      const rows = window.measure(t, with_pictures);
+    const rows = await page.evaluate(async (...words) => {
+      const rows = window.measure(...words);
       for (const row of rows) if (row.picture) row.picture = await window.as_png(row.picture);
       return rows;
-    }, times, Boolean(options.pictures));
+    }, times, kMostMagenta, Boolean(options.pictures));
     for (const row of rows) {
       console.log(line_of(name, row));
       failures.push(...failures_of(row).map((text) => `${name}, ${row.filter}, ${times.toFixed(2)}x: ${text}`));
@@ -160,7 +161,7 @@ const { server, url } = await serve();
 const { browser, page } = await open_page(url);
 const failures = [];
 let num_passed = 0, num_failed = 0, num_skipped = 0;
-console.log(`${kTableHead}\n${'|---'.repeat(13)}|`);
+console.log(`${kTableHead}\n${'|---'.repeat(14)}|`);
 for (const model of models) {
   if (model.name !== 'demo' && !existsSync(path.join(options.data, 'textured', `${model.name}.obj`))) {
     console.error(`SKIPPED ${model.name}: it is not in ${options.data}/textured; POINTBAKE_DATA names another folder`);

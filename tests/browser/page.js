@@ -1,5 +1,5 @@
 // Measures in the page; browser_test.mjs calls what is put on `window` here.
-import { dispose, directions, ideal, kAnisotropy, load, look, shown, sphere_of } from './views.js';
+import { dispose, directions, ideal, is_background, kAnisotropy, load, look, shown, sphere_of } from './views.js';
 
 const kDirections = directions(8);
 const kMoved = 1 / 400;    // of the depth range: a pixel that sees another place of the surface
@@ -46,7 +46,7 @@ function add_errors(views, filter, all, still) {
 
 // How much magenta is in a pixel: shown = (1 - a) normal + a magenta in linear light, where mip
 // levels mix. And the plain distance, the largest difference of a channel in steps of 255.
-function look_for_magenta(normal, shown_debug, found) {
+function look_for_magenta(normal, shown_debug, most, found) {
   for (let p = 0; p < normal.length; p += 4) {
     let along = 0, length = 0, distance = 0;
     for (let c = 0; c < 3; ++c) {
@@ -56,7 +56,10 @@ function look_for_magenta(normal, shown_debug, found) {
       distance = Math.max(distance, Math.abs(shown_debug[p + c] - 255 * kMagenta[c]));
     }
     found.nearest = Math.min(found.nearest, distance);
-    if (length > kOwnMagenta) found.share = Math.max(found.share, along / length);
+    if (length <= kOwnMagenta) continue;
+    found.share = Math.max(found.share, along / length);
+    found.above += along / length >= most ? 1 : 0;
+    found.pixels += is_background(normal, p) ? 0 : 1;
   }
 }
 
@@ -71,14 +74,14 @@ function views_of(direction, times) {
 }
 
 // One row per filter, all directions taken together.
-window.measure = (times, with_pictures) => {
+window.measure = (times, most_magenta, with_pictures) => {
   const all_views = kDirections.map((direction) => views_of(direction, times));
   return Object.keys(kAnisotropy).map((filter) => {
-    const row = { filter, times, magenta: { share: 0, nearest: 255 } };
+    const row = { filter, times, magenta: { share: 0, nearest: 255, above: 0, pixels: 0 } };
     const all = new_sums(), still = new_sums();
     let worst = { by: -Infinity };
     all_views.forEach((views, direction) => {
-      look_for_magenta(views.result[filter], views.debug[filter], row.magenta);
+      look_for_magenta(views.result[filter], views.debug[filter], most_magenta, row.magenta);
       if (!truth) return;
       const one = new_sums(), one_still = new_sums();
       add_errors(views, filter, one, one_still);

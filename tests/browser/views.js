@@ -6,7 +6,7 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 export const kSide = 512;  // of a picture, in pixels; at the nearest distance the model fills it
 const kSamples = 4096;     // of the reference's side: 8 x 8 per pixel when near, 150 x 150 from afar
 const kFov = 30, kSine = Math.sin(THREE.MathUtils.degToRad(kFov / 2));
-const kBackground = 0x808080;  // as far from magenta as from all else
+const kBackground = 0x808080;  // grey, far from magenta
 export const kAnisotropy = { trilinear: 1, 'anisotropic 16x': 16 };
 
 const renderer = new THREE.WebGLRenderer({ antialias: false });  // only inner pixels are compared
@@ -100,6 +100,8 @@ export function look(sphere, direction, times) {
   const part = Math.tan(Math.asin(kSine / times)) / Math.tan(Math.asin(kSine));
   return Math.min(kSide, 2 * Math.ceil(part * kSide / 2 + 1));
 }
+
+export const is_background = (pixels, p) => [0, 1, 2].every((c) => pixels[p + c] === (kBackground & 255));
 
 function use(model, name) {
   for (const mesh of model.meshes) mesh.material = mesh.userData.materials[name];
