@@ -1,8 +1,9 @@
 # make demo   install what is missing, build, convert the model that the program makes itself
 # make test   install what is missing, build, run every test
+# make browser-test   the same for what a browser shows of the textures (10 models, half an hour); not part of make test
 # make quick-bench   two public cases of the quality bench, without baseline
 
-.PHONY: all demo test setup build quick-bench format lint clean
+.PHONY: all demo test browser-test setup build quick-bench format lint clean
 
 all: build
 
@@ -22,6 +23,11 @@ test:
 	@cmake --preset release -DPOINTBAKE_TESTS=ON > build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
 	@cmake --build --preset release
 	@ctest --preset release
+
+browser-test: build
+	@tools/setup.sh browser
+	@node tests/browser/browser_test.mjs --pointbake build/release/pointbake --out build/browser-test \
+	    --pictures build/browser-test/pictures $(BROWSER_TEST)
 
 quick-bench: build
 	@tools/quick_bench.sh

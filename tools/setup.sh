@@ -1,5 +1,6 @@
 #!/bin/sh
-# Installs what is missing to build (setup.sh build) or to build and test (setup.sh test) on Debian 12.
+# Installs what is missing on Debian 12 to build (setup.sh build), to build and test (setup.sh test), or to build and look
+# at the results in a browser (setup.sh browser).
 set -eu
 cd "$(dirname "$0")/.."
 mkdir -p build
@@ -7,6 +8,11 @@ mkdir -p build
 packages="g++ cmake ninja-build ccache pkg-config libcgal-dev libtbb-dev libeigen3-dev libnanoflann-dev
           libdeflate-dev libspng-dev libturbojpeg0-dev libjpeg62-turbo-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
 [ "${1:-build}" = test ] && packages="$packages libgtest-dev libgmock-dev python3"
+if [ "${1:-build}" = browser ]; then  # other sources of these will do
+    command -v chromium >/dev/null 2>&1 || packages="$packages chromium"
+    command -v node >/dev/null 2>&1 || packages="$packages nodejs"
+    command -v npm >/dev/null 2>&1 || packages="$packages npm"
+fi
 
 missing=""
 for package in $packages; do
@@ -37,4 +43,15 @@ if [ "${1:-build}" = test ] && command -v npm >/dev/null 2>&1 && [ ! -d tests/su
     echo "setup: installing the glTF validator"
     (cd tests/support && npm ci --no-audit --no-fund) >build/npm.log 2>&1 ||
         echo "setup: the glTF validator could not be installed (build/npm.log); its tests will be skipped" >&2
+fi
+
+# Again when the versions that are asked for have changed.
+if [ "${1:-build}" = browser ] &&
+    ! [ tests/browser/node_modules/.package-lock.json -nt tests/browser/package-lock.json ]; then
+    echo "setup: installing three.js and puppeteer"
+    if ! (cd tests/browser && npm ci --no-audit --no-fund) >build/npm.log 2>&1; then
+        tail -n 20 build/npm.log >&2
+        echo "setup: installing failed; the whole log is in build/npm.log" >&2
+        exit 1
+    fi
 fi
