@@ -17,6 +17,7 @@ constexpr double kDefaultTextureError = 4.0;  // 8-bit sRGB steps
 constexpr int kFitSteps = 7;
 constexpr double kFirstFillOfTriangles = 0.93, kFirstFillOfCharts = 0.8, kFillStep = 1.06;
 constexpr double kFillPrecision = 0.006;
+constexpr int kRefineRounds = 2;
 
 struct Fitted {
     TexturePlan plan;
@@ -76,12 +77,28 @@ Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions&
     return std::move(*best);
 }
 
+Fitted packed(TexturePlan plan, const ConvertOptions& options, const Context& context) {
+    Packing packing = pack(plan.shapes, options.atlas, context);
+    return {std::move(plan), std::move(packing.pages), std::move(packing.placements)};
+}
+
 Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& options,
            const Context& context) {
     if (options.texture.texels > 0) return fit_budget(baker, bound, options, context);
-    TexturePlan plan = baker.plan(bound, std::numeric_limits<std::int64_t>::max(), context);
-    Packing packing = pack(plan.shapes, options.atlas, context);
-    return {std::move(plan), std::move(packing.pages), std::move(packing.placements)};
+    return packed(baker.plan(bound, std::numeric_limits<std::int64_t>::max(), context), options,
+                  context);
+}
+
+// What was measured on the pages may be more than each triangle by itself promised.
+void refine_in_place(BakedTexture& baked, Fitted& fitted, const TextureBaker& baker, double bound,
+                     const ConvertOptions& options, const Context& context) {
+    if (!std::isfinite(bound) || options.texture.texels > 0 || options.texture.paper) return;
+    for (int round = 0; round < kRefineRounds; ++round) {
+        std::optional<TexturePlan> plan = baker.refined(fitted.plan, bound, baked, context);
+        if (!plan) return;
+        fitted = packed(std::move(*plan), options, context);
+        baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
+    }
 }
 
 void paint_unowned(Image& page, std::span<const std::uint8_t> owned, HexColor color) {
@@ -138,10 +155,12 @@ BakeResult pack_and_bake(const Mesh& mesh, const PointCloud& cloud, std::span<co
     texture.max_side = smallest_page_side(options);
     texture.max_patch = std::min(texture.max_patch, texture.max_side);
     const double bound = bound_of(texture);
+    if (std::isfinite(bound)) texture.texture_error = bound;
     const TextureBaker baker(mesh, cloud, owners, texture, context);
     Fitted fitted = fit(baker, bound, options, context);
     report_progress(context, "texture", 0.85);
     BakedTexture baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
+    refine_in_place(baked, fitted, baker, bound, options, context);
     return finish(std::move(baked), std::move(fitted.pages), texture, context);
 }
 

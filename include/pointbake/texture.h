@@ -107,6 +107,8 @@ struct TexturePlan {
     std::vector<PatchShape> shapes;    ///< per patch
     std::int64_t num_needed = 0;       ///< texels of all shapes
     bool all_at_cap = false;           ///< no patch could use more texels
+    /// Per patch: levels beyond those that its triangles want by themselves; empty = none.
+    std::vector<std::uint8_t> raised;
 };
 
 /// A picture of what a page's texels are, as large as the page.
@@ -119,7 +121,8 @@ struct DebugMap {
 struct BakedTexture {
     TexturedMesh model;
     std::vector<std::vector<std::uint8_t>>
-        owned;  ///< per page, one byte per texel: 1 = a patch needs it
+        owned;                            ///< per page, one byte per texel: 1 = a patch needs it
+    std::vector<std::uint8_t> is_missed;  ///< per triangle: 1 = its error is above the bound
     TextureReport report;
     /// If asked for. Coverage: white inside a triangle, grey in a gutter. Error: RMS of the
     /// triangle that owns the texel, 16 levels of grey per 8-bit step. Density: grey is the
@@ -171,6 +174,13 @@ class TextureBaker {
     /// together needing at most `max_needed` texels: where that is too few they are spent where
     /// they lower the squared error most.
     TexturePlan plan(double bound, std::int64_t max_needed, const Context& context = {}) const;
+
+    /// A plan with a bound alone, once more, after its pages were measured: larger patches where
+    /// more than a few triangles missed the bound because they share texels with others. Nothing
+    /// if no patch is to become larger.
+    std::optional<TexturePlan> refined(const TexturePlan& plan, double bound,
+                                       const BakedTexture& baked,
+                                       const Context& context = {}) const;
 
     /// Splats the plan's patches into pages and fills in texture coordinates and materials. Errors
     /// are measured on the written pages.

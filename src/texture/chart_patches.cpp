@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/parallel.h"
+#include "texture/chart_density.h"
 #include "texture/least_box.h"
 
 namespace pointbake {
@@ -32,7 +33,7 @@ double growth(int level) {
 
 ChartPatches::ChartPatches(const Mesh& mesh, const std::vector<std::array<Index, 3>>& neighbors,
                            const Shell& shell, const LevelErrors& triangles, int max_side,
-                           double gutter, const Context& context)
+                           double gutter, std::optional<double> bound, const Context& context)
     : mesh_(mesh),
       neighbors_(neighbors),
       shell_(shell),
@@ -40,6 +41,12 @@ ChartPatches::ChartPatches(const Mesh& mesh, const std::vector<std::array<Index,
       max_side_(max_side),
       gutter_(gutter),
       charts_(grow_charts(mesh, neighbors, context)) {
+    if (bound) {
+        std::vector<double> wanted(mesh.triangles.size());
+        for (Index t = 0; t < wanted.size(); ++t)
+            wanted[t] = level_density(shell.frame(t), triangles.first_within(t, *bound));
+        split_by_density_in_place(charts_, wanted, gutter, neighbors);
+    }
     begin_.assign(charts_.count + 1, 0);
     for (const Index c : charts_.of_triangle) ++begin_[c + 1];
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
@@ -158,16 +165,11 @@ std::uint8_t ChartPatches::first_within(Index chart, double bound) const {
 }
 
 double ChartPatches::needed(Index chart, int level) const {
-    const double d = density(level);
-    const double g = gutter(chart, level);
-    return area_[chart] * d * d + border_[chart] * d * g + 3.15 * g * g;
+    return chart_texels(area_[chart], border_[chart], density(level), gutter_);
 }
 
 double ChartPatches::gutter(Index chart, int level) const {
-    constexpr double kLeast = 1.0;
-    if (!(border_[chart] > 0.0)) return gutter_;
-    return std::clamp(density(level) * area_[chart] / border_[chart], kLeast,
-                      std::max(kLeast, gutter_));
+    return chart_gutter(area_[chart], border_[chart], density(level), gutter_);
 }
 
 std::uint8_t ChartPatches::cheapest(Index chart, std::uint8_t last, double price) const {

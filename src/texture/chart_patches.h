@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "texture/charts.h"
@@ -33,9 +34,10 @@ void for_each_texel_near(Vec2d a, Vec2d b, double gutter, Visit&& visit) {
 class ChartPatches {
  public:
     /// `triangles`: the errors of every triangle on its own; `max_side`: of a patch, in texels;
+    /// `bound`: if there is one, charts are cut where it wants another density.
     ChartPatches(const Mesh& mesh, const std::vector<std::array<Index, 3>>& neighbors,
                  const Shell& shell, const LevelErrors& triangles, int max_side, double gutter,
-                 const Context& context);
+                 std::optional<double> bound, const Context& context);
 
     std::size_t size() const { return charts_.count; }
     /// Texels beyond a chart's border that it fills: fewer where they would outnumber its own.
@@ -45,6 +47,7 @@ class ChartPatches {
     double density(int level) const;
     /// The first level at which all triangles are within the bound, as far as their caps allow.
     std::uint8_t first_within(Index chart, double bound) const;
+    std::uint8_t finest(Index chart) const { return static_cast<std::uint8_t>(last_[chart]); }
     /// The level up to `last` where area * error^2 + price * needed is least.
     std::uint8_t cheapest(Index chart, std::uint8_t last, double price) const;
     /// Texels that a chart needs, nearly.

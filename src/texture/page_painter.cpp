@@ -7,6 +7,7 @@
 
 #include "core/message.h"
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "texture/chart_patches.h"
 
 namespace pointbake {
@@ -342,7 +343,7 @@ Vec3f PagePainter::read_page(Index t, Vec2f place) const {
 void PagePainter::measure(double bound, const std::function<CapCount(Index, TriangleGauge&)>& cap) {
     RawErrors raw(source_);
     const std::size_t num_triangles = is_paintable_.size();
-    std::vector<float> errors(num_triangles, 0.0F);
+    std::vector<PointError> at_points(num_triangles);
     std::vector<double> areas(num_triangles);
     parallel_for(context_, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
         TriangleGauge gauge(source_.scene, source_.cloud, source_.map, source_.is_paper);
@@ -351,31 +352,34 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
             areas[t] = source_.scene.shell.frame(t).area();
             if (!(areas[t] > 0.0)) continue;
             gauge.look_at(t);
-            gauge.place_probes();
+            gauge.place_probes(false);
+            at_points[t] = {gauge.num_probes(), gauge.probed_area(), 0.0F};
             if (source_.map.kind == MapKind::kNormal) {
                 if (!is_paintable(t)) continue;
                 const PatchTexels texels = gauge.texels(layout_.triangles[t]);
                 raw.measure(t, texels);
-                errors[t] = gauge.error(texels);
+                at_points[t].rms = gauge.error(texels);
             } else {
                 const auto read = [&](Vec2f place) { return read_page(t, place); };
                 raw.measure(t, read);
-                errors[t] = gauge.error(read);
+                at_points[t].rms = gauge.error(read);
             }
         }
     });
     TextureReport& report = out_.report;
     report.bound = bound;
     raw.summarise(report);
-    errors = pool_small(errors, areas);
+    std::vector<float> errors = pool_small(at_points);
     std::vector<CapCount> caps(num_triangles, nullptr);
     parallel_for(context_, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
         TriangleGauge gauge(source_.scene, source_.cloud, source_.map, source_.is_paper);
         for (std::size_t t = begin; t < end; ++t)
             if (static_cast<double>(errors[t]) > bound) caps[t] = cap(static_cast<Index>(t), gauge);
     });
-    for (const CapCount c : caps)
+    for (const CapCount c : caps) {
         if (c) ++(report.capped.*c);
+        out_.is_missed.push_back(c ? 1 : 0);
+    }
     errors_ = errors;
     summarise_distribution(std::move(errors), areas, report);
     report.densities = densities(areas);
@@ -424,23 +428,50 @@ void PagePainter::draw_debug_maps() {
     }
 }
 
-// Few points make no RMS: triangles with fewer than that are judged with those around.
-std::vector<float> PagePainter::pool_small(const std::vector<float>& errors,
-                                           std::span<const double> areas) const {
+// Few points make no RMS: triangles with fewer than that are judged as one with the neighbour
+// behind their longest side, and so on until there are enough.
+std::vector<float> PagePainter::pool_small(std::span<const PointError> at_points) const {
     constexpr std::size_t kEnoughPoints = 8;
-    std::vector<float> out = errors;
-    for (Index t = 0; t < errors.size(); ++t) {
-        if (source_.scene.prints.of(t).size() >= kEnoughPoints) continue;
+    struct Pool {
+        std::size_t num_points = 0;
         double squares = 0.0, area = 0.0;
-        const auto add = [&](Index i) {
-            const auto e = static_cast<double>(errors[i]);
-            squares += areas[i] * e * e;
-            area += areas[i];
-        };
-        add(t);
-        for (const Index next : source_.scene.neighbors[t])
-            if (next != kInvalidIndex) add(next);
-        if (area > 0.0) out[t] = static_cast<float>(std::sqrt(squares / area));
+        Index next = kInvalidIndex;  // triangle behind the longest side
+        double longest = -1.0;
+    };
+    const auto num_triangles = static_cast<Index>(at_points.size());
+    UnionFind groups(num_triangles);
+    std::vector<float> out(num_triangles, 0.0F);
+    std::vector<Pool> pools;
+    for (bool has_changed = true; has_changed;) {
+        has_changed = false;
+        pools.assign(num_triangles, {});
+        for (Index t = 0; t < num_triangles; ++t) {
+            Pool& pool = pools[groups.find(t)];
+            const PointError& e = at_points[t];
+            pool.num_points += e.num_points;
+            pool.squares += e.area * static_cast<double>(e.rms) * static_cast<double>(e.rms);
+            pool.area += e.area;
+            const auto& corners = source_.scene.shell.frame(t).corners;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index next = source_.scene.neighbors[t][k];
+                const double side = length(corners[(k + 1) % 3] - corners[k]);
+                if (next != kInvalidIndex && groups.find(next) != groups.find(t) &&
+                    side > pool.longest)
+                    pool.longest = side, pool.next = next;
+            }
+        }
+        for (Index t = 0; t < num_triangles; ++t) {
+            const Pool& pool = pools[t];
+            if (groups.find(t) != t || pool.num_points >= kEnoughPoints ||
+                pool.next == kInvalidIndex || groups.find(pool.next) == t)
+                continue;
+            groups.unite(t, pool.next);
+            has_changed = true;
+        }
+    }
+    for (Index t = 0; t < num_triangles; ++t) {
+        const Pool& pool = pools[groups.find(t)];
+        if (pool.area > 0.0) out[t] = static_cast<float>(std::sqrt(pool.squares / pool.area));
     }
     return out;
 }

@@ -21,6 +21,13 @@ struct PageLayout {
     std::vector<double> gutters;  ///< per triangle: texels beyond the border that it paints
 };
 
+/// What is wrong at the points of one triangle.
+struct PointError {
+    std::size_t num_points = 0;
+    double area = 0.0;  ///< that they stand for
+    float rms = 0.0F;   ///< 8-bit steps
+};
+
 class PagePainter {
  public:
     /// All must outlive it.
@@ -65,8 +72,7 @@ class PagePainter {
     void add_border(Index triangle, std::size_t k, TexelFit& fit) const;
     Vec3f read_page(Index triangle, Vec2f place) const;
     std::vector<TextureReport::Density> densities(std::span<const double> areas) const;
-    std::vector<float> pool_small(const std::vector<float>& errors,
-                                  std::span<const double> areas) const;
+    std::vector<float> pool_small(std::span<const PointError> at_points) const;
     bool has_texel(Index page, int x, int y) const;
 
     const PaintSource source_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -105,7 +106,7 @@ struct TextureBaker::Impl {
         if (options.atlas == AtlasKind::kCharts)
             log(context, LogLevel::kDebug, "texture: growing charts"),
                 charts.emplace(mesh, neighbors, shell, levels, options.max_side,
-                               std::ldexp(1.0, options.mips), context);
+                               std::ldexp(1.0, options.mips), options.texture_error, context);
         likeness = order_by_likeness(patch_means());
         report_progress(context, "texture", 0.7);
     }
@@ -114,7 +115,7 @@ struct TextureBaker::Impl {
         std::vector<Vec3f> sums(num_patches());
         std::vector<float> counts(num_patches(), 0.0F);
         for (Index t = 0; t < mesh.triangles.size(); ++t) {
-            const Index patch = charts ? charts->charts().of_triangle[t] : t;
+            const Index patch = patch_of(t);
             for (Index i = prints.begin[t]; i < prints.begin[t + 1]; ++i)
                 sums[patch] += raw[i], counts[patch] += 1.0F;
         }
@@ -126,6 +127,10 @@ struct TextureBaker::Impl {
     std::uint8_t first_within(std::size_t patch, double bound) const {
         return charts ? charts->first_within(static_cast<Index>(patch), bound)
                       : levels.first_within(patch, bound);
+    }
+    std::uint8_t finest(std::size_t patch) const {
+        return charts ? charts->finest(static_cast<Index>(patch))
+                      : static_cast<std::uint8_t>(levels.patches[patch].count - 1);
     }
     std::uint8_t cheapest(std::size_t patch, std::uint8_t last, double price) const {
         return charts ? charts->cheapest(static_cast<Index>(patch), last, price)
@@ -147,6 +152,11 @@ struct TextureBaker::Impl {
     void describe(TextureReport& report) const {
         report.sharpening_rounds = sharpened.rounds;
         for (const Footprint& f : prints.items) report.num_hidden_points += f.hidden ? 1 : 0;
+    }
+    TexturePlan plan(std::span<const std::uint8_t> last, std::int64_t max_needed,
+                     const Context& context) const;
+    Index patch_of(Index triangle) const {
+        return charts ? charts->charts().of_triangle[triangle] : triangle;
     }
     PageLayout page_layout(const TexturePlan& plan, std::span<const PageSize> pages,
                            std::span<const Placement> placements) const;
@@ -175,18 +185,53 @@ TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed,
                                const Context& context) const {
     if (impl_->options.keep_uvs)
         fail(ErrorCode::kInvalidOption, "keep-uvs: sizes of patches are not planned");
-    const std::size_t num_patches = impl_->num_patches();
     // Where each patch stops if texels cost nothing.
-    std::vector<std::uint8_t> last(num_patches);
-    for (std::size_t p = 0; p < num_patches; ++p) last[p] = impl_->first_within(p, bound);
+    std::vector<std::uint8_t> last(impl_->num_patches());
+    for (std::size_t p = 0; p < last.size(); ++p) last[p] = impl_->first_within(p, bound);
+    return impl_->plan(last, max_needed, context);
+}
+
+std::optional<TexturePlan> TextureBaker::refined(const TexturePlan& plan, double bound,
+                                                 const BakedTexture& baked,
+                                                 const Context& context) const {
+    constexpr double kFew = 0.02;  // of a patch's triangles
+    const Impl& impl = *impl_;
+    const auto step = static_cast<std::uint8_t>(impl.charts ? 8 : 1);  // twice the texels
+    std::vector<std::size_t> missed(impl.num_patches(), 0), all(impl.num_patches(), 0);
+    for (Index t = 0; t < baked.is_missed.size(); ++t) {
+        const std::size_t patch = impl.patch_of(t);
+        ++all[patch];
+        missed[patch] += baked.is_missed[t];
+    }
+    std::vector<std::uint8_t> raised = plan.raised, last(impl.num_patches());
+    raised.resize(impl.num_patches(), 0);
+    bool has_changed = false;
+    for (std::size_t p = 0; p < last.size(); ++p) {
+        if (static_cast<double>(missed[p]) > kFew * static_cast<double>(all[p]) &&
+            plan.levels[p] < impl.finest(p)) {
+            raised[p] = static_cast<std::uint8_t>(raised[p] + step);
+            has_changed = true;
+        }
+        last[p] = static_cast<std::uint8_t>(
+            std::min(impl.first_within(p, bound) + raised[p], int{impl.finest(p)}));
+    }
+    if (!has_changed) return std::nullopt;
+    TexturePlan out = impl.plan(last, std::numeric_limits<std::int64_t>::max(), context);
+    out.raised = std::move(raised);
+    return out;
+}
+
+TexturePlan TextureBaker::Impl::plan(std::span<const std::uint8_t> last, std::int64_t max_needed,
+                                     const Context& context) const {
+    const std::size_t num_patches = last.size();
 
     TexturePlan plan;
     const auto choose = [&](double price) {
         std::int64_t total = 0;
-        plan.levels = last;
+        plan.levels.assign(last.begin(), last.end());
         for (std::size_t p = 0; p < num_patches; ++p) {
-            if (price > 0.0) plan.levels[p] = impl_->cheapest(p, last[p], price);
-            total += impl_->needed(p, plan.levels[p]);
+            if (price > 0.0) plan.levels[p] = cheapest(p, last[p], price);
+            total += needed(p, plan.levels[p]);
         }
         return total;
     };
@@ -194,7 +239,7 @@ TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed,
     plan.all_at_cap = plan.num_needed <= max_needed;
     if (!plan.all_at_cap) {
         // The price of a texel, in squared error times area: the lowest one that keeps the budget.
-        const double area = impl_->levels.total_area();
+        const double area = this->levels.total_area();
         double low = 1e-12 * area, high = 1e12 * area;
         for (int i = 0; i < kBisections; ++i) {
             const double middle = std::sqrt(low * high);
@@ -205,8 +250,8 @@ TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed,
     plan.shapes.resize(num_patches);
     parallel_for(context, num_patches, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
-            plan.shapes[p] = impl_->need(p, plan.levels[p]).shape;
-            plan.shapes[p].likeness = impl_->likeness[p];
+            plan.shapes[p] = need(p, plan.levels[p]).shape;
+            plan.shapes[p].likeness = likeness[p];
         }
     });
     return plan;
@@ -260,7 +305,7 @@ PageLayout TextureBaker::Impl::page_layout(const TexturePlan& plan, std::span<co
     for (std::size_t p = 0; p < num_patches(); ++p)
         poses.emplace_back(placements[p], need(p, plan.levels[p]));
     for (Index t = 0; t < mesh.triangles.size(); ++t) {
-        const Index patch = charts ? charts->charts().of_triangle[t] : t;
+        const Index patch = patch_of(t);
         const std::uint8_t level = plan.levels[patch];
         out.triangle_pages.push_back(placements[patch].page);
         if (!charts) {
@@ -299,7 +344,7 @@ double TextureBaker::Impl::largest_stretch(const PageLayout& layout,
 }
 
 CapCount TextureBaker::Impl::why_capped(Index t, const TexturePlan& plan, double bound) const {
-    const std::size_t patch = charts ? charts->charts().of_triangle[t] : t;
+    const std::size_t patch = patch_of(t);
     const std::uint8_t chosen = plan.levels[patch], wanted = first_within(patch, bound);
     if (needed(patch, wanted) > needed(patch, chosen)) return &CappedCounts::by_budget;
     const std::uint8_t own = levels.first_within(t, bound);

@@ -64,7 +64,7 @@ PatchTexels TriangleGauge::texels(const PatchLayout& layout, NeedSet need) const
     return splat_patch(field_, map_, layout, std::move(need), filter(layout.pitch()));
 }
 
-void TriangleGauge::place_probes() {
+void TriangleGauge::place_probes(bool with_border) {
     const std::span<const Footprint> own = scene_.prints.of(triangle_);
     for (std::size_t k = 0; k < own.size(); ++k) {
         const Footprint& f = own[k];
@@ -77,7 +77,13 @@ void TriangleGauge::place_probes() {
         else
             add_probe(f.center, area);
     }
-    if (!is_paper_) add_border_probes();
+    if (with_border && !is_paper_) add_border_probes();
+}
+
+double TriangleGauge::probed_area() const {
+    double area = 0.0;
+    for (const Probe& p : probes_) area += static_cast<double>(p.weight);
+    return area;
 }
 
 void TriangleGauge::add_probe(Vec2f place, float weight) {

@@ -22,9 +22,12 @@ class TriangleGauge {
 
     /// Gathers the splats that reach the triangle grown by `border` (cloud units).
     void look_at(Index triangle, double border = 0.0);
-    /// Chooses the places where errors are measured: the triangle's points and its border. Without,
-    /// no error is known.
-    void place_probes();
+    /// Chooses the places where errors are measured: the triangle's points, and its border if sizes
+    /// are still to be chosen. Without, no error is known.
+    void place_probes(bool with_border = true);
+    /// Points that are looked at, and the area that they stand for.
+    std::size_t num_probes() const { return probes_.size(); }
+    double probed_area() const;
 
     /// The triangle's need set, or some texels around it.
     PatchTexels texels(const PatchLayout& layout) const;

@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/adjacency.h"
+#include "core/hash.h"
+#include "core/union_find.h"
 #include "support/shapes.h"
+#include "texture/chart_density.h"
 #include "texture/flatten.h"
 
 namespace pointbake {
@@ -160,6 +164,104 @@ TEST(Charts, ThreeSheetsOnAnEdgeStayApart) {
     mesh.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0.5, 0}, {-1, 0.5, 0.1}, {0, 0.5, 1}};
     mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 4, 1}};
     expect_good(mesh, charts_of(mesh));
+}
+
+// A flat sheet of 40 x 40 squares of side 0.025 in one chart, and what its triangles want.
+struct Wanting {
+    Mesh mesh = sheet(40, 40, [](double u, double v) { return Vec3d{u, v, 0.0}; });
+    std::vector<std::array<Index, 3>> neighbors = triangle_neighbors(mesh.triangles);
+    Charts charts = charts_of(mesh);
+    std::vector<double> wanted;
+
+    template <class Density>
+    explicit Wanting(Density&& density) {
+        for (const Triangle& t : mesh.triangles) {
+            const Vec3d m =
+                (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0;
+            wanted.push_back(density(m.x, m.y));
+        }
+    }
+    void split() { split_by_density_in_place(charts, wanted, 4.0, neighbors); }
+    double num_texels() const {
+        std::vector<double> area(charts.count), border(charts.count), most(charts.count);
+        for (Index t = 0; t < wanted.size(); ++t) {
+            const Index c = charts.of_triangle[t];
+            area[c] += area_of(charts.corners[t]);
+            most[c] = std::max(most[c], wanted[t]);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index next = neighbors[t][k];
+                if (next == kInvalidIndex || charts.of_triangle[next] != c)
+                    border[c] += length(charts.corners[t][(k + 1) % 3] - charts.corners[t][k]);
+            }
+        }
+        double sum = 0.0;
+        for (Index c = 0; c < charts.count; ++c)
+            sum += chart_texels(area[c], border[c], most[c], 4.0);
+        return sum;
+    }
+};
+
+TEST(ChartDensity, CutsBetweenFlatPaintAndLettering) {
+    Wanting w([](double x, double) { return x < 0.25 ? 400.0 : 60.0; });
+    ASSERT_EQ(w.charts.count, 1U);
+    const double before = w.num_texels();
+    w.split();
+    EXPECT_EQ(w.charts.count, 2U);
+    for (Index t = 0; t < w.wanted.size(); ++t)
+        EXPECT_EQ(w.charts.of_triangle[t] == w.charts.of_triangle[0], w.wanted[t] == w.wanted[0]);
+    EXPECT_LT(w.num_texels(), 0.35 * before);
+}
+
+TEST(ChartDensity, AnIslandOfLetteringIsCutOut) {
+    Wanting w([](double x, double y) {
+        return std::abs(x - 0.5) < 0.15 && std::abs(y - 0.5) < 0.15 ? 400.0 : 60.0;
+    });
+    w.split();
+    EXPECT_EQ(w.charts.count, 2U);
+}
+
+TEST(ChartDensity, LeavesWholeWhatCuttingWouldNotSave) {
+    // Noise, less than a factor of two, on sheets that need many texels or few; and a step between
+    // two parts that are small in texels.
+    for (const double scale : {1.0, 0.1}) {
+        Wanting w([&](double x, double y) {
+            const double noise = random_unit(7, static_cast<std::uint64_t>(1e6 * (x + 50.0 * y)));
+            return scale * (200.0 + 60.0 * noise);
+        });
+        w.split();
+        EXPECT_EQ(w.charts.count, 1U);
+    }
+    Wanting small([](double x, double) { return x < 0.25 ? 20.0 : 3.0; });
+    small.split();
+    EXPECT_EQ(small.charts.count, 1U);
+}
+
+TEST(ChartDensity, PartsAreConnectedAndStayInTheirChart) {
+    // A checkerboard of wishes on a sphere of several charts.
+    Mesh mesh = shapes::sphere_mesh(24);
+    const auto neighbors = triangle_neighbors(mesh.triangles);
+    Charts charts = charts_of(mesh);
+    const Charts before = charts;
+    std::vector<double> wanted;
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3d m = (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0;
+        wanted.push_back((m.x > 0.0) != (m.y > 0.3) ? 900.0 : 100.0);
+    }
+    split_by_density_in_place(charts, wanted, 4.0, neighbors);
+    EXPECT_GT(charts.count, before.count);
+    expect_good(mesh, charts);
+    UnionFind together(mesh.triangles.size());
+    std::map<Index, Index> chart_before;
+    for (Index t = 0; t < wanted.size(); ++t) {
+        for (const Index next : neighbors[t])
+            if (next != kInvalidIndex && charts.of_triangle[next] == charts.of_triangle[t])
+                together.unite(t, next);
+        EXPECT_EQ(chart_before.emplace(charts.of_triangle[t], before.of_triangle[t]).first->second,
+                  before.of_triangle[t]);
+    }
+    std::set<Index> roots;
+    for (Index t = 0; t < wanted.size(); ++t) roots.insert(together.find(t));
+    EXPECT_EQ(roots.size(), charts.count);
 }
 
 TEST(Flatten, GivesUpOnWhatCannotBe) {

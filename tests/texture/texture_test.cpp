@@ -157,6 +157,50 @@ TEST(Texture, AChartShowsTheTruth) {
     EXPECT_NEAR(share, 1.0, 1e-9);
 }
 
+TEST(Texture, FlatPaintIsCutOffFromLetteringInOneChart) {
+    // Lettering on the lower right triangle alone.
+    const Painted p = painted_square(100, [](double x, double y) {
+        const bool is_stroke = y < x - 0.1 && std::sin(60.0 * x) * std::sin(60.0 * y) > 0.0;
+        return is_stroke ? Vec3d{0.05, 0.05, 0.05} : Vec3d{0.2, 0.5, 0.9};
+    });
+    TextureOptions options;
+    const TextureBaker whole(p.mesh, p.cloud, p.owners, options, {});
+    const TexturePlan one = whole.plan(4.0, kNoBudget);
+    options.texture_error = 4.0;
+    const TextureBaker cut(p.mesh, p.cloud, p.owners, options, {});
+    const TexturePlan two = cut.plan(4.0, kNoBudget);
+    ASSERT_EQ(one.shapes.size(), 1U);
+    ASSERT_EQ(two.shapes.size(), 2U);
+    EXPECT_LT(two.num_needed, 0.7 * static_cast<double>(one.num_needed));
+    EXPECT_LE(bake_apart(cut, two, 4.0).report.capped.total(),
+              bake_apart(whole, one, 4.0).report.capped.total());
+}
+
+TEST(Texture, PatchesThatMissTheirBoundAreMadeFiner) {
+    const Painted p = painted_square(80, wave);
+    for (const TextureOptions& options : {kTriangles, TextureOptions{}}) {
+        const TextureBaker baker(p.mesh, p.cloud, p.owners, options, {});
+        const TexturePlan first = baker.plan(6.0, kNoBudget);
+        BakedTexture baked = bake_apart(baker, first, 6.0);
+        ASSERT_EQ(baked.is_missed, std::vector<std::uint8_t>(2, 0));
+        EXPECT_FALSE(baker.refined(first, 6.0, baked));
+        baked.is_missed[1] = 1;
+        TexturePlan plan = first;
+        for (int round = 0; round < 40; ++round) {
+            const std::optional<TexturePlan> next = baker.refined(plan, 6.0, baked);
+            if (!next) break;
+            const std::size_t missed = plan.levels.size() - 1;
+            EXPECT_GT(next->levels[missed], plan.levels[missed]);
+            if (missed == 1) {
+                EXPECT_EQ(next->levels[0], first.levels[0]);
+            }
+            plan = *next;
+        }
+        EXPECT_FALSE(baker.refined(plan, 6.0, baked)) << "no end";
+        EXPECT_GT(plan.num_needed, 2 * first.num_needed);
+    }
+}
+
 TEST(Texture, ChartsFillTheirGutters) {
     const Painted p = painted_square(40, wave);
     TextureOptions wide;
