@@ -172,7 +172,12 @@ TEST(Texture, FlatPaintIsCutOffFromLetteringInOneChart) {
     ASSERT_EQ(one.shapes.size(), 1U);
     ASSERT_EQ(two.shapes.size(), 2U);
     EXPECT_LT(two.num_needed, 0.7 * static_cast<double>(one.num_needed));
-    EXPECT_LE(bake_apart(cut, two, 4.0).report.capped.total(),
+    // A texel or two of the flat part reach over its border: finer ones, and all is well.
+    const BakedTexture baked = bake_apart(cut, two, 4.0);
+    const std::optional<TexturePlan> finer = cut.refined(two, 4.0, baked);
+    ASSERT_TRUE(finer);
+    EXPECT_LT(finer->num_needed, 0.7 * static_cast<double>(one.num_needed));
+    EXPECT_LE(bake_apart(cut, *finer, 4.0).report.capped.total(),
               bake_apart(whole, one, 4.0).report.capped.total());
 }
 
