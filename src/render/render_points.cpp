@@ -26,6 +26,18 @@ constexpr double kMinRadius = 0.3;  // pixels: no point falls between the sample
 // Variance of the screen filter in squared pixels, for half a sample.
 constexpr double kLowPass = 0.25 / (render::kSuper * render::kSuper);
 
+// A lone point stands for nobody's surface: no disc is larger than so many median ones.
+constexpr float kMostRadius = 3.0F;
+
+void limit_in_place(std::vector<float>& radii) {
+    if (radii.empty()) return;
+    std::vector<float> sorted = radii;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    if (!(*middle > 0.0F)) return;
+    for (float& r : radii) r = std::min(r, kMostRadius * *middle);
+}
+
 std::vector<float> radii_of(const PointCloud& cloud, const Context& context) {
     if (!cloud.radii.empty()) return cloud.radii;
     std::vector<float> radii(cloud.size());
@@ -144,7 +156,8 @@ void add(const Splat& s, const Kernel& kernel, Band& band, std::vector<float>& w
 
 Image render_points(const PointCloud& cloud, const View& view, const Context& context) {
     const Camera camera(view, cloud.positions);
-    const std::vector<float> radii = radii_of(cloud, context);
+    std::vector<float> radii = radii_of(cloud, context);
+    limit_in_place(radii);
     const Kernel kernel;
     std::vector<Splat> splats(cloud.size());
     std::vector<RowRange> ranges(cloud.size());

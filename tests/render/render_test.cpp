@@ -224,6 +224,13 @@ TEST(Render, SplatsOfAFartherSheetDoNotShine) {
         ASSERT_EQ(pixel(image, k, 100), (std::array<int, 3>{200, 30, 40}));
 }
 
+TEST(Render, LonePointsAreNoLargeDiscs) {
+    PointCloud cloud = sheet_cloud(16, 0.0, rgb16_from_8bit(0, 0, 0));
+    const std::size_t drawn = num_drawn(render_points(cloud, kFront));
+    cloud.radii[0] = 100.0F;
+    EXPECT_LT(num_drawn(render_points(cloud, kFront)), drawn + drawn / 10);
+}
+
 TEST(Render, EllipticalSplatsAreDrawnAlongTheirAxes) {
     PointCloud cloud = sheet_cloud(2, 0.0, rgb16_from_8bit(0, 0, 0));
     cloud.colors[1] = cloud.colors[3] = rgb16_from_8bit(255, 255, 255);  // x = 1
