@@ -17,7 +17,6 @@ constexpr double kDefaultTextureError = 4.0;  // 8-bit sRGB steps
 constexpr int kFitSteps = 7;
 constexpr double kFirstFillOfTriangles = 0.93, kFirstFillOfCharts = 0.8, kFillStep = 1.06;
 constexpr double kFillPrecision = 0.006;
-constexpr int kRefineRounds = 2;
 
 struct Fitted {
     TexturePlan plan;
@@ -89,16 +88,15 @@ Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& option
                   context);
 }
 
-// What was measured on the pages may be more than each triangle by itself promised.
+// What was measured on the pages may be more than each triangle by itself promised: once more,
+// then, with larger patches where it is. (A second time makes few more triangles hold their bound.)
 void refine_in_place(BakedTexture& baked, Fitted& fitted, const TextureBaker& baker, double bound,
                      const ConvertOptions& options, const Context& context) {
     if (!std::isfinite(bound) || options.texture.texels > 0 || options.texture.paper) return;
-    for (int round = 0; round < kRefineRounds; ++round) {
-        std::optional<TexturePlan> plan = baker.refined(fitted.plan, bound, baked, context);
-        if (!plan) return;
-        fitted = packed(std::move(*plan), options, context);
-        baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
-    }
+    std::optional<TexturePlan> plan = baker.refined(fitted.plan, bound, baked, context);
+    if (!plan) return;
+    fitted = packed(std::move(*plan), options, context);
+    baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
 }
 
 void paint_unowned(Image& page, std::span<const std::uint8_t> owned, HexColor color) {

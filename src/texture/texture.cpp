@@ -194,9 +194,9 @@ TexturePlan TextureBaker::plan(double bound, std::int64_t max_needed,
 std::optional<TexturePlan> TextureBaker::refined(const TexturePlan& plan, double bound,
                                                  const BakedTexture& baked,
                                                  const Context& context) const {
-    constexpr double kFew = 0.02;  // of a patch's triangles
+    constexpr double kFew = 0.02, kMany = 0.2;  // of a patch's triangles
     const Impl& impl = *impl_;
-    const auto step = static_cast<std::uint8_t>(impl.charts ? 8 : 1);  // twice the texels
+    const int step = impl.charts ? 8 : 1;  // twice the texels
     std::vector<std::size_t> missed(impl.num_patches(), 0), all(impl.num_patches(), 0);
     for (Index t = 0; t < baked.is_missed.size(); ++t) {
         const std::size_t patch = impl.patch_of(t);
@@ -207,9 +207,9 @@ std::optional<TexturePlan> TextureBaker::refined(const TexturePlan& plan, double
     raised.resize(impl.num_patches(), 0);
     bool has_changed = false;
     for (std::size_t p = 0; p < last.size(); ++p) {
-        if (static_cast<double>(missed[p]) > kFew * static_cast<double>(all[p]) &&
-            plan.levels[p] < impl.finest(p)) {
-            raised[p] = static_cast<std::uint8_t>(raised[p] + step);
+        const double share = static_cast<double>(missed[p]) / static_cast<double>(all[p]);
+        if (share > kFew && plan.levels[p] < impl.finest(p)) {
+            raised[p] = static_cast<std::uint8_t>(raised[p] + (share > kMany ? 2 * step : step));
             has_changed = true;
         }
         last[p] = static_cast<std::uint8_t>(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "texture/planes.h"
 
@@ -57,6 +58,63 @@ TEST(Visibility, LayerBelowIsNotSeen) {
     const Vec3d c = color_at(baked.model, 0, {0.3, 0.3, 0.4});
     EXPECT_NEAR(c.x, 0.8 * 255, 1.0);
     EXPECT_NEAR(c.z, 0.1 * 255, 1.0);
+}
+
+// [Wicke05], Figure 4 (b): simplification has left nothing of a mushroom that stood on the square.
+// Its cap, a blue disc with a green underside, lies over the ground; its stem is green.
+Painted with_mushroom() {
+    constexpr double kRadius = 0.25, kHeight = 0.15, kStem = 0.05;
+    Painted p = red_square();
+    const auto add_green = [&](Vec3d position, Vec3d normal, Index owner) {
+        add_point(p, position, normal, owner);
+        p.cloud.colors.back() = {0, 65535, 0};
+    };
+    const std::size_t n = p.cloud.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3d x = p.cloud.positions[i];
+        if (std::hypot(x.x - 0.5, x.y - 0.5) > kRadius) continue;
+        add_point(p, x + Vec3d{0, 0, kHeight}, {0, 0, 1}, p.owners[i]);
+        add_green(x + Vec3d{0, 0, kHeight - kSpacing}, {0, 0, -1}, p.owners[i]);
+    }
+    constexpr int kAround = 12;
+    for (int k = 0; k < kAround; ++k)
+        for (double z = 0.0; z < kHeight - kSpacing; z += kSpacing) {
+            const double angle = 2.0 * std::numbers::pi * k / kAround;
+            const Vec3d out{std::cos(angle), std::sin(angle), 0.0};
+            const Vec3d at = Vec3d{0.5, 0.5, z} + out * kStem;
+            add_green(at, out, at.y <= at.x ? 0 : 1);
+        }
+    return p;
+}
+
+TEST(Visibility, NoTexelMixesAMushroomWithTheGroundUnderIt) {
+    constexpr double kRadius = 0.25, kRim = 2.5 * kSpacing;
+    const Painted p = with_mushroom();
+    for (const TextureOptions& options : {kTriangles, TextureOptions{}}) {
+        const TextureBaker baker(p.mesh, p.cloud, p.owners, options, {});
+        const TexturedMesh model =
+            bake_apart(baker, baker.plan(0.0, std::numeric_limits<std::int64_t>::max())).model;
+        for (const Index t : {Index{0}, Index{1}})
+            for (double u = 0.02; u < 1.0; u += 0.02)
+                for (double v = 0.02; u + v < 1.0; v += 0.02) {
+                    const Triangle& tri = p.mesh.triangles[t];
+                    const Vec3d x = p.mesh.positions[tri[0]] * u + p.mesh.positions[tri[1]] * v +
+                                    p.mesh.positions[tri[2]] * (1.0 - u - v);
+                    const double r = std::hypot(x.x - 0.5, x.y - 0.5);
+                    const Vec3d c = color_at(model, t, {u, v, 1.0 - u - v});
+                    if (r < kRadius - kRim) {
+                        EXPECT_NEAR(c.z, 255.0, 1.5) << x.x << " " << x.y;
+                        EXPECT_NEAR(c.x, 0.0, 1.5) << x.x << " " << x.y;
+                    }
+                    if (r > kRadius + kRim) {
+                        EXPECT_NEAR(c.x, 0.8 * 255, 1.5) << x.x << " " << x.y;
+                        EXPECT_NEAR(c.z, 0.1 * 255, 1.5) << x.x << " " << x.y;
+                    }
+                    // Stem and underside show nowhere: no green but red's own, and what sharpening
+                    // adds to it at the rim.
+                    EXPECT_LT(c.y, 0.12 * 255) << x.x << " " << x.y;
+                }
+    }
 }
 
 TEST(Visibility, OneSheetHidesNothingOfItself) {
