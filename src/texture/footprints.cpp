@@ -20,7 +20,8 @@ constexpr double kMinFacing =
 constexpr double kMaxStretch = 2.0;  // axes grow by more only where the prism degenerates
 constexpr double kMinAxis = 0.1;     // of sigma: an edge-on surfel keeps this width
 constexpr double kOrthogonalShare = 2.0 / 3.0;  // of the way from a foot to the orthogonal one
-constexpr double kMostOfTheWay = 0.5;           // to the nearest side
+constexpr double kMostOfTheWay = 0.5;           // to the nearest side, and beyond that
+constexpr double kMostBeyond = 0.5;             // of a splat's sigma
 constexpr double kMaxSigmaOverMedian = 8.0;     // larger ones belong to outliers
 
 struct Placed {
@@ -98,7 +99,7 @@ Foot painted_foot(const ShellPoint& at, const TriangleFrame& frame, Vec3d p, dou
     const Vec2d way = Vec2d{dot(frame.ex, d), dot(frame.ey, d)} - x;
     const double distance = length(way);
     if (!(distance > 0.0)) return {x, at.gradient};
-    const double most = sigma + kMostOfTheWay * distance_to_sides(frame, x);
+    const double most = kMostBeyond * sigma + kMostOfTheWay * distance_to_sides(frame, x);
     const double share = std::min(kOrthogonalShare, most / distance);
     return {x + way * share,
             {at.gradient[0] * (1.0 - share) + frame.ex * share,
