@@ -1,5 +1,6 @@
 // pointbake render: pictures of clouds and models, side by side and seen by one camera.
 #include <algorithm>
+#include <cctype>
 
 #include "command_setup.h"
 #include "commands.h"
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 constexpr CommandText kRenderText = {
     "pointbake render FILE... [OUT.png] [options]",
     "Draws clouds (as splats) and models (with their texture) side by side, all as the first one\n"
-    "is looked at; without OUT.png: FILE.png beside the first."};
+    "is looked at; without OUT.png: FILE-picture.png beside the first."};
 
 /// What one file is drawn from: a cloud, or a model where the file has faces.
 struct Subject {
@@ -25,7 +26,15 @@ struct Subject {
     }
 };
 
+bool is_model(const fs::path& path) {
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension == ".obj" || extension == ".gltf" || extension == ".glb";
+}
+
 Subject load_subject(const fs::path& path, const Context& context) {
+    if (is_model(path)) return {.cloud = {}, .model = load_mesh(path, context)};
     LoadResult loaded = load_cloud(path, {}, context);
     if (loaded.mesh) return {.cloud = {}, .model = load_mesh(path, context)};
     return {.cloud = estimate_attributes(std::move(loaded.cloud), {}, context).cloud, .model = {}};
@@ -51,18 +60,23 @@ bool has_color(const TexturedMesh& model) {
                                [](const Material& m) { return m.color_image >= 0; });
 }
 
-/// The last name is the picture if it ends like one.
+/// The last of several names is the picture unless there is such a file that is no picture.
 void settle_picture(ParsedLine& line) {
     line.inputs.insert(line.inputs.end(), line.files.begin(), line.files.end());
-    if (line.output.empty() && !line.files.empty() && line.files.back().extension() == ".png") {
-        line.output = line.files.back();
-        line.inputs.pop_back();
+    if (line.output.empty() && !line.files.empty() && line.inputs.size() > 1) {
+        const fs::path& last = line.files.back();
+        std::error_code error;
+        if (last.extension() == ".png" || !fs::exists(last, error)) {
+            line.output = last;
+            line.inputs.pop_back();
+        }
     }
     if (line.inputs.empty()) fail(ErrorCode::kInvalidOption, "missing FILE; see --help");
-    if (line.output.empty()) line.output = fs::path(line.inputs[0]).replace_extension(".png");
+    if (line.output.empty()) line.output = beside(line.inputs[0], "-picture.png");
     constexpr std::string_view extension = ".png";
     check_extension(line.output, {&extension, 1});
     check_writable(line.output, line.inputs);
+    check_no_texture(line.output, line.inputs);
 }
 
 }  // namespace

@@ -73,6 +73,9 @@ void check_outputs(const Job& job) {
     else
         check(job.output, kModelExtensions);
     check(job.files.write_points, kPointExtensions);
+    if (!job.files.debug_maps.empty() &&
+        std::ranges::find(taken, job.files.debug_maps) != taken.end())
+        fail(ErrorCode::kInvalidOption, "{} is named twice", job.files.debug_maps.string());
     check(job.files.report, json);
     if (job.limits.dry_run) return;
     if (!job.files.debug_maps.empty()) {

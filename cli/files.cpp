@@ -70,15 +70,45 @@ void check_extension(const fs::path& output, std::span<const std::string_view> e
          fmt::join(extensions, ", "));
 }
 
+namespace {
+
+bool has_companions(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return extension == ".obj" || extension == ".gltf";
+}
+
+fs::path folder(const fs::path& path) {
+    return fs::absolute(path).lexically_normal().parent_path();
+}
+
+/// Whether a text file holds a word.
+bool mentions(const fs::path& path, const std::string& word) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    return text.find(word) != std::string::npos;
+}
+
+}  // namespace
+
+void check_no_texture(const fs::path& output, std::span<const fs::path> inputs) {
+    std::error_code error;
+    if (!fs::exists(output, error)) return;
+    const fs::path target = fs::weakly_canonical(output, error);
+    const std::string name = target.filename().string();
+    for (const fs::path& input : inputs) {
+        if (!has_companions(input)) continue;
+        bool is_named = lower_extension(input) == ".gltf" && mentions(input, name);
+        for (const auto& entry : fs::directory_iterator(folder(input), error))
+            is_named = is_named ||
+                       (lower_extension(entry.path()) == ".mtl" && mentions(entry.path(), name));
+        if (is_named)
+            fail(ErrorCode::kInvalidOption, "{} is a texture of {}; choose another name",
+                 output.string(), input.string());
+    }
+}
+
 void check_companions(const fs::path& output, std::span<const fs::path> inputs) {
-    const auto has_companions = [](const fs::path& path) {
-        const std::string extension = lower_extension(path);
-        return extension == ".obj" || extension == ".gltf";
-    };
     if (!has_companions(output)) return;
-    const auto folder = [](const fs::path& path) {
-        return fs::absolute(path).lexically_normal().parent_path();
-    };
     for (const fs::path& input : inputs)
         if (has_companions(input) && input.stem() == output.stem() &&
             folder(input) == folder(output))

@@ -23,6 +23,11 @@ void check_extension(const std::filesystem::path& output,
 void check_companions(const std::filesystem::path& output,
                       std::span<const std::filesystem::path> inputs);
 
+/// Throws Error{kInvalidOption} if `output` is a file that an OBJ or glTF input in the same folder
+/// names: one of its textures.
+void check_no_texture(const std::filesystem::path& output,
+                      std::span<const std::filesystem::path> inputs);
+
 /// "dir/name.ext" and an ending make "dir/name<ending>".
 std::filesystem::path beside(const std::filesystem::path& file, std::string_view ending);
 

@@ -337,7 +337,22 @@ TEST_F(Conversion, RenderDrawsCloudsAndModelsSideBySide) {
     EXPECT_THAT(done.err, HasSubstr("wrote both.png, 120 x 30 pixels"));
     EXPECT_THAT(folder_.read("both.png"), testing::StartsWith("\x89PNG"));
     run_well({"render", "out.glb"});
-    EXPECT_THAT(folder_.files(), ElementsAre("both.png", "in.ply", "out.glb", "out.png"));
+    EXPECT_THAT(folder_.files(), ElementsAre("both.png", "in.ply", "out-picture.png", "out.glb"));
+}
+
+TEST_F(Conversion, RenderLeavesTexturesAlone) {
+    for (const std::string extension : {"obj", "gltf"}) {
+        run_well({"in.ply", "-o", "m." + extension, "--triangles", "300"});
+        std::vector<std::string> textures;
+        for (const std::string& name : folder_.files())
+            if (name.ends_with(".png") && !name.ends_with("-picture.png")) textures.push_back(name);
+        ASSERT_FALSE(textures.empty());
+        const std::string before = folder_.read(textures[0]);
+        EXPECT_EQ(run({"render", "m." + extension, textures[0]}).exit_code, 2);
+        run_well({"render", "m." + extension});
+        run_well({"render", "m." + extension});  // over its own picture
+        EXPECT_TRUE(folder_.read(textures[0]) == before);
+    }
 }
 
 }  // namespace

@@ -54,6 +54,11 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"info", "in.ply", "out.ply"}, "too many"},
         {{"render"}, "missing FILE"},
         {{"render", "in.ply", "-o", "picture.jpg"}, ".png"},
+        {{"render", "in.ply", "picture.jpg"}, ".png"},
+        {{"in.ply", "--page-size", "10"}, "page-size is 10"},
+        {{"in.ply", "--texels", "100"}, "buys no page"},
+        {{"in.ply", "--geometry-error", "0"}, "geometry-error is 0"},
+        {{"in.ply", "a.glb", "--debug-maps", "a.glb"}, "named twice"},
         {{"render", "in.ply", "--direction", "1,2"}, "three numbers"},
         {{"render", "in.ply", "--direction", "0,1,0"}, "no such view"},
     };
