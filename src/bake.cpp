@@ -95,8 +95,11 @@ void refine_in_place(BakedTexture& baked, Fitted& fitted, const TextureBaker& ba
     if (!std::isfinite(bound) || options.texture.texels > 0 || options.texture.paper) return;
     std::optional<TexturePlan> plan = baker.refined(fitted.plan, bound, baked, context);
     if (!plan) return;
-    fitted = packed(std::move(*plan), options, context);
-    baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
+    Fitted larger = packed(std::move(*plan), options, context);
+    BakedTexture again = baker.bake(larger.plan, bound, larger.pages, larger.placements, context);
+    if (again.report.capped.total() >= baked.report.capped.total()) return;
+    fitted = std::move(larger);
+    baked = std::move(again);
 }
 
 void paint_unowned(Image& page, std::span<const std::uint8_t> owned, HexColor color) {

@@ -20,7 +20,7 @@ PICTURES = os.path.join(HERE, "../docs/pictures")
 DATA = os.environ.get("POINTBAKE_DATA", os.path.join(HERE, "../../shared/data"))
 BENCH = os.environ.get("POINTBAKE_QUALITY", os.path.join(HERE, "../../shared/quality"))
 TEXELS = 1 << 20  # at which the lettering is shown
-BACKGROUND = (244, 245, 240)  # the program's own
+BACKGROUND = (244, 244, 241)  # the program's own
 
 # name, file, direction to the viewer, up, zoom
 CLOUDS = [("guanyin", "guanyin", "0.15,0.1,1", "0,1,0", "1.25"),

@@ -121,8 +121,9 @@ struct DebugMap {
 struct BakedTexture {
     TexturedMesh model;
     std::vector<std::vector<std::uint8_t>>
-        owned;                            ///< per page, one byte per texel: 1 = a patch needs it
-    std::vector<std::uint8_t> is_missed;  ///< per triangle: 1 = its error is above the bound
+        owned;  ///< per page, one byte per texel: 1 = a patch needs it
+    /// Per triangle: 1 = its error is above the bound because it shares texels with others.
+    std::vector<std::uint8_t> is_missed;
     TextureReport report;
     /// If asked for. Coverage: white inside a triangle, grey in a gutter. Error: RMS of the
     /// triangle that owns the texel, 16 levels of grey per 8-bit step. Density: grey is the
@@ -165,7 +166,8 @@ struct GivenBake {
 class TextureBaker {
  public:
     /// `owners`: per point the triangle it was attributed to, kInvalidIndex = none. The cloud needs
-    /// areas and either colours or normals.
+    /// areas and either colours or normals. Charts are cut by wanted density only if
+    /// options.texture_error is set; it is then the bound of the plans to come.
     TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
                  const TextureOptions& options, const Context& context);
     ~TextureBaker();

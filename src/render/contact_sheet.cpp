@@ -13,7 +13,7 @@ Image contact_sheet(const std::vector<Image>& pictures, int columns) {
     int cell_width = 0, cell_height = 0;
     const int num_channels = pictures[0].num_channels;
     for (const Image& picture : pictures) {
-        if (picture.num_channels < 3 || picture.num_channels != num_channels)
+        if ((num_channels != 3 && num_channels != 4) || picture.num_channels != num_channels)
             fail(ErrorCode::kUnsupported, "a contact sheet takes RGB or RGBA pictures of one kind");
         cell_width = std::max(cell_width, picture.width);
         cell_height = std::max(cell_height, picture.height);

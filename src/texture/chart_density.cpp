@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <queue>
 #include <tuple>
 
+#include "core/parallel.h"
 #include "core/union_find.h"
 
 namespace pointbake {
@@ -12,14 +12,11 @@ namespace {
 
 // Texels that one more chart must save: the block of 32 x 32 that mip levels from afar see of it.
 constexpr double kPriceOfChart = 1024.0;
-// Parts whose densities differ by less than this factor are one from the start.
-constexpr double kAlike = 1.0905077326652577;  // 2^(1/8)
+constexpr int kMostRounds = 64;
 
 struct Part {
     double area = 0.0, border = 0.0, wanted = 0.0;
     std::size_t num_triangles = 0;
-    int version = 0;
-    std::vector<std::pair<Index, double>> neighbors;  // parts beside it, length of the side shared
 
     // Texels larger than the triangles would show what lies far around.
     double density() const {
@@ -32,6 +29,17 @@ struct Part {
     }
 };
 
+Part united(const Part& a, const Part& b, double shared) {
+    return {a.area + b.area, std::max(0.0, a.border + b.border - 2.0 * shared),
+            std::max(a.wanted, b.wanted), a.num_triangles + b.num_triangles};
+}
+
+// Two parts side by side.
+struct Pair {
+    Index a, b;  // a < b
+    double shared = 0.0, saving = 0.0;
+};
+
 class Splitter {
  public:
     Splitter(Charts& charts, std::span<const double> wanted, double gutter,
@@ -40,34 +48,18 @@ class Splitter {
           wanted_(wanted),
           gutter_(gutter),
           neighbors_(neighbors),
-          groups_(wanted.size()),
-          parts_(wanted.size()) {}
+          groups_(wanted.size()) {}
 
-    void run() {
-        unite_alike();
-        make_parts();
-        for (Index p = 0; p < parts_.size(); ++p) offer_all(p);
-        while (!offers_.empty()) {
-            const Offer best = offers_.top();
-            offers_.pop();
-            if (parts_[best.a].version != best.version_a ||
-                parts_[best.b].version != best.version_b)
-                continue;
-            merge(best.a, best.b);
+    void run(const Context& context) {
+        for (int round = 0; round < kMostRounds; ++round) {
+            check_cancelled(context);
+            measure_parts();
+            if (!merge_best_first(pairs_that_save())) break;
         }
         number_charts();
     }
 
  private:
-    struct Offer {
-        double saving;
-        Index a, b;  // a < b
-        int version_a, version_b;
-        bool operator<(const Offer& o) const {
-            return std::tie(saving, o.a, o.b) < std::tie(o.saving, a, b);
-        }
-    };
-
     double side(Index t, std::size_t k) const {
         return length(charts_.corners[t][(k + 1) % 3] - charts_.corners[t][k]);
     }
@@ -79,17 +71,8 @@ class Splitter {
                    : kInvalidIndex;
     }
 
-    void unite_alike() {
-        for (Index t = 0; t < wanted_.size(); ++t)
-            for (std::size_t k = 0; k < 3; ++k) {
-                const Index next = inside(t, k);
-                if (next == kInvalidIndex || next < t) continue;
-                const auto [low, high] = std::minmax(wanted_[t], wanted_[next]);
-                if (high <= low * kAlike) groups_.unite(t, next);
-            }
-    }
-
-    void make_parts() {
+    void measure_parts() {
+        parts_.assign(wanted_.size(), {});
         for (Index t = 0; t < wanted_.size(); ++t) {
             const Index own = groups_.find(t);
             Part& part = parts_[own];
@@ -99,64 +82,55 @@ class Splitter {
             ++part.num_triangles;
             for (std::size_t k = 0; k < 3; ++k) {
                 const Index next = inside(t, k);
-                if (next != kInvalidIndex && groups_.find(next) == own) continue;
-                part.border += side(t, k);
-                if (next != kInvalidIndex)
-                    part.neighbors.emplace_back(groups_.find(next), side(t, k));
+                if (next == kInvalidIndex || groups_.find(next) != own) part.border += side(t, k);
             }
         }
-        for (Part& part : parts_) join_neighbors(part);
     }
 
-    // One entry per neighbour, in ascending order, by their names now.
-    void join_neighbors(Part& part) {
-        for (auto& [name, shared] : part.neighbors) name = groups_.find(name);
-        std::ranges::stable_sort(part.neighbors, {}, &std::pair<Index, double>::first);
-        std::size_t kept = 0;
-        for (const auto& [name, shared] : part.neighbors) {
-            if (kept > 0 && part.neighbors[kept - 1].first == name)
-                part.neighbors[kept - 1].second += shared;
+    std::vector<Pair> pairs_that_save() {
+        std::vector<Pair> sides;
+        for (Index t = 0; t < wanted_.size(); ++t)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index next = inside(t, k);
+                if (next == kInvalidIndex || next < t) continue;
+                const auto [a, b] = std::minmax({groups_.find(t), groups_.find(next)});
+                if (a != b) sides.push_back({a, b, side(t, k)});
+            }
+        const auto names = [](const Pair& p) { return std::pair(p.a, p.b); };
+        std::ranges::stable_sort(sides, {}, names);
+        std::vector<Pair> pairs;
+        for (const Pair& p : sides) {
+            if (pairs.empty() || names(pairs.back()) != names(p))
+                pairs.push_back(p);
             else
-                part.neighbors[kept++] = {name, shared};
+                pairs.back().shared += p.shared;
         }
-        part.neighbors.resize(kept);
+        for (Pair& p : pairs) p.saving = saving(p.a, p.b, p.shared);
+        std::erase_if(pairs, [](const Pair& p) { return !(p.saving > 0.0); });
+        std::ranges::sort(pairs, [](const Pair& p, const Pair& q) {
+            return std::tie(q.saving, p.a, p.b) < std::tie(p.saving, q.a, q.b);
+        });
+        return pairs;
     }
 
-    Part united(const Part& a, const Part& b, double shared) const {
-        Part out;
-        out.area = a.area + b.area;
-        out.border = std::max(0.0, a.border + b.border - 2.0 * shared);
-        out.wanted = std::max(a.wanted, b.wanted);
-        out.num_triangles = a.num_triangles + b.num_triangles;
-        return out;
+    double saving(Index a, Index b, double shared) const {
+        return parts_[a].cost(gutter_) + parts_[b].cost(gutter_) -
+               united(parts_[a], parts_[b], shared).cost(gutter_);
     }
 
-    void offer_all(Index p) {
-        for (const auto& [other, shared] : parts_[p].neighbors) {
-            const auto [a, b] = std::minmax(p, other);
-            const double saving = parts_[a].cost(gutter_) + parts_[b].cost(gutter_) -
-                                  united(parts_[a], parts_[b], shared).cost(gutter_);
-            if (saving > 0.0) offers_.push({saving, a, b, parts_[a].version, parts_[b].version});
+    // What has grown since the pairs were made is looked at as it is now, but for sides that it
+    // came to share with others: the next round knows those.
+    bool merge_best_first(const std::vector<Pair>& pairs) {
+        bool has_merged = false;
+        for (const Pair& p : pairs) {
+            const Index a = groups_.find(p.a), b = groups_.find(p.b);
+            if (a == b || !(saving(a, b, p.shared) > 0.0)) continue;
+            const Part sum = united(parts_[a], parts_[b], p.shared);
+            groups_.unite(a, b);
+            parts_[groups_.find(a)] = sum;
+            has_merged = true;
         }
-    }
-
-    void merge(Index a, Index b) {
-        Part& to = parts_[a];
-        Part& from = parts_[b];
-        const auto shared = std::ranges::find(to.neighbors, b, &std::pair<Index, double>::first);
-        Part sum = united(to, from, shared->second);
-        sum.version = to.version + 1;
-        sum.neighbors = std::move(to.neighbors);
-        sum.neighbors.insert(sum.neighbors.end(), from.neighbors.begin(), from.neighbors.end());
-        from = {};
-        from.version = -1;
-        groups_.unite(a, b);
-        join_neighbors(sum);
-        std::erase_if(sum.neighbors, [&](const auto& n) { return n.first == a; });
-        to = std::move(sum);
-        // The neighbours' lists still name b; its shares are joined when they are looked at.
-        for (const auto& [name, length] : to.neighbors) join_neighbors(parts_[name]);
-        offer_all(a);
+        return has_merged;
     }
 
     void number_charts() {
@@ -173,9 +147,8 @@ class Splitter {
     std::span<const double> wanted_;
     double gutter_;
     std::span<const std::array<Index, 3>> neighbors_;
-    UnionFind groups_;  // triangles of a part; named by its lowest
-    std::vector<Part> parts_;
-    std::priority_queue<Offer> offers_;
+    UnionFind groups_;         // triangles of a part
+    std::vector<Part> parts_;  // by the name of their group
 };
 
 }  // namespace
@@ -192,8 +165,9 @@ double chart_texels(double area, double border, double density, double gutter) {
 }
 
 void split_by_density_in_place(Charts& charts, std::span<const double> wanted, double gutter,
-                               std::span<const std::array<Index, 3>> neighbors) {
-    Splitter(charts, wanted, gutter, neighbors).run();
+                               std::span<const std::array<Index, 3>> neighbors,
+                               const Context& context) {
+    Splitter(charts, wanted, gutter, neighbors).run(context);
 }
 
 }  // namespace pointbake

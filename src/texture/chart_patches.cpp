@@ -45,7 +45,7 @@ ChartPatches::ChartPatches(const Mesh& mesh, const std::vector<std::array<Index,
         std::vector<double> wanted(mesh.triangles.size());
         for (Index t = 0; t < wanted.size(); ++t)
             wanted[t] = level_density(shell.frame(t), triangles.first_within(t, *bound));
-        split_by_density_in_place(charts_, wanted, gutter, neighbors);
+        split_by_density_in_place(charts_, wanted, gutter, neighbors, context);
     }
     begin_.assign(charts_.count + 1, 0);
     for (const Index c : charts_.of_triangle) ++begin_[c + 1];

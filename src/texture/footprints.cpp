@@ -20,8 +20,7 @@ constexpr double kMinFacing =
 constexpr double kMaxStretch = 2.0;  // axes grow by more only where the prism degenerates
 constexpr double kMinAxis = 0.1;     // of sigma: an edge-on surfel keeps this width
 constexpr double kOrthogonalShare = 2.0 / 3.0;  // of the way from a foot to the orthogonal one
-constexpr double kMostOfTheWay = 0.5;           // to the nearest side, and beyond that
-constexpr double kMostBeyond = 0.5;             // of a splat's sigma
+constexpr double kMostOfTheWay = 0.5;           // to the nearest side
 constexpr double kMaxSigmaOverMedian = 8.0;     // larger ones belong to outliers
 
 struct Placed {
@@ -91,16 +90,16 @@ struct Foot {
 
 // Viewers who look along a triangle see little of it. So what is seen of a point lies, in the mean,
 // nearer to its orthogonal foot than to its foot along the interpolated normal. It is moved that
-// way, but not out of its prism by more than its splat bridges: the paint stays whole.
-Foot painted_foot(const ShellPoint& at, const TriangleFrame& frame, Vec3d p, double sigma) {
+// way, but never out of its triangle: prisms still share their walls, and the paint stays whole.
+Foot painted_foot(const ShellPoint& at, const TriangleFrame& frame, Vec3d p) {
     Vec2d x{};
     for (std::size_t k = 0; k < 3; ++k) x = x + frame.corners[k] * at.barycentric[k];
     const Vec3d d = p - frame.origin;
     const Vec2d way = Vec2d{dot(frame.ex, d), dot(frame.ey, d)} - x;
     const double distance = length(way);
     if (!(distance > 0.0)) return {x, at.gradient};
-    const double most = kMostBeyond * sigma + kMostOfTheWay * distance_to_sides(frame, x);
-    const double share = std::min(kOrthogonalShare, most / distance);
+    const double share =
+        std::min(kOrthogonalShare, kMostOfTheWay * distance_to_sides(frame, x) / distance);
     return {x + way * share,
             {at.gradient[0] * (1.0 - share) + frame.ex * share,
              at.gradient[1] * (1.0 - share) + frame.ey * share}};
@@ -117,7 +116,7 @@ Footprint make_footprint(const PointCloud& cloud, Index point, const ShellPoint&
     f.point = point;
     f.depth = static_cast<float>(at.depth);
     f.hidden = dot(n, at.direction) < kMinFacing;
-    const Foot foot = painted_foot(at, frame, cloud.positions[point], sigma);
+    const Foot foot = painted_foot(at, frame, cloud.positions[point]);
     f.center = {static_cast<float>(foot.place.x), static_cast<float>(foot.place.y)};
 
     double vxx = 0.0, vxy = 0.0, vyy = 0.0;

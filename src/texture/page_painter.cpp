@@ -378,7 +378,7 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
     });
     for (const CapCount c : caps) {
         if (c) ++(report.capped.*c);
-        out_.is_missed.push_back(c ? 1 : 0);
+        out_.is_missed.push_back(c == &CappedCounts::by_layout ? 1 : 0);
     }
     errors_ = errors;
     summarise_distribution(std::move(errors), areas, report);
@@ -460,12 +460,16 @@ std::vector<float> PagePainter::pool_small(std::span<const PointError> at_points
                     pool.longest = side, pool.next = next;
             }
         }
+        // Counts are kept up to date, so that no pool grows once it has enough.
         for (Index t = 0; t < num_triangles; ++t) {
-            const Pool& pool = pools[t];
-            if (groups.find(t) != t || pool.num_points >= kEnoughPoints ||
-                pool.next == kInvalidIndex || groups.find(pool.next) == t)
+            if (groups.find(t) != t || pools[t].num_points >= kEnoughPoints ||
+                pools[t].next == kInvalidIndex)
                 continue;
-            groups.unite(t, pool.next);
+            const Index next = groups.find(pools[t].next);
+            if (next == t) continue;
+            const std::size_t num_points = pools[t].num_points + pools[next].num_points;
+            groups.unite(t, next);
+            pools[groups.find(t)].num_points = num_points;
             has_changed = true;
         }
     }

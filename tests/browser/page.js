@@ -4,7 +4,7 @@ import { dispose, directions, ideal, is_background, kAnisotropy, load, look, sho
 // From afar a picture has few pixels, and eight would leave the figures to chance.
 const num_directions = (times) => (times < 8 ? 8 : times < 16 ? 16 : 32);
 const kSheetRows = 8;
-const kMoved = 1 / 400;    // of the depth range: a pixel that sees another place of the surface
+const kMoved = 1 / 800;    // of the depth range: a pixel that sees another place of the surface
 const kMagenta = [1, 0, 1];
 const kOwnMagenta = 0.25;  // nearer than this (squared) the model's colour tells no shares apart
 

@@ -212,6 +212,34 @@ TEST(ChartDensity, CutsBetweenFlatPaintAndLettering) {
     EXPECT_LT(w.num_texels(), 0.35 * before);
 }
 
+TEST(ChartDensity, CutsGradualChangesToo) {
+    Wanting w([](double x, double) { return 60.0 + 600.0 * x * x; });
+    const double before = w.num_texels();
+    w.split();
+    EXPECT_GE(w.charts.count, 2U);
+    EXPECT_LT(w.num_texels(), 0.6 * before);
+}
+
+TEST(ChartDensity, TakesItsTimeOnLargeChartsOfManyWishes) {
+    // Wishes below what the triangles' own size asks for, at random: merging is free everywhere.
+    Mesh mesh = sheet(256, 256, [](double u, double v) { return Vec3d{u, v, 0.0}; });
+    Charts charts;
+    std::vector<double> wanted;
+    for (Index t = 0; t < mesh.triangles.size(); ++t) {
+        std::array<Vec2d, 3> flat;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d p = mesh.positions[mesh.triangles[t][k]];
+            flat[k] = {p.x, p.y};
+        }
+        charts.corners.push_back(flat);
+        charts.of_triangle.push_back(0);
+        wanted.push_back(100.0 * random_unit(3, t));
+    }
+    charts.count = 1;
+    split_by_density_in_place(charts, wanted, 4.0, triangle_neighbors(mesh.triangles));
+    EXPECT_LT(charts.count, 20U);
+}
+
 TEST(ChartDensity, AnIslandOfLetteringIsCutOut) {
     Wanting w([](double x, double y) {
         return std::abs(x - 0.5) < 0.15 && std::abs(y - 0.5) < 0.15 ? 400.0 : 60.0;

@@ -123,9 +123,8 @@ TEST(Footprints, AtTheWallOfAPrismStayThere) {
     const Vec2d edge = (frame.corners[0] + frame.corners[1]) * 0.5;
     const Vec2d orthogonal = painted_place(mesh, p, 1e-6F, Projection::kOrthographic);
     ASSERT_GT(length(orthogonal - edge), 0.05);
-    const float sigma = 0.006F;
     const Vec2d painted = painted_place(mesh, p, 1e-4F, Projection::kInterpolated);
-    EXPECT_LE(length(painted - edge), static_cast<double>(sigma) + 1e-5);
+    EXPECT_LE(length(painted - edge), 1e-5);
 }
 
 }  // namespace
