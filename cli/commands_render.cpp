@@ -1,6 +1,5 @@
 // pointbake render: pictures of clouds and models, side by side and seen by one camera.
 #include <algorithm>
-#include <cctype>
 
 #include "command_setup.h"
 #include "commands.h"
@@ -27,9 +26,7 @@ struct Subject {
 };
 
 bool is_model(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lower_extension(path);
     return extension == ".obj" || extension == ".gltf" || extension == ".glb";
 }
 
@@ -66,7 +63,7 @@ void settle_picture(ParsedLine& line) {
     if (line.output.empty() && !line.files.empty() && line.inputs.size() > 1) {
         const fs::path& last = line.files.back();
         std::error_code error;
-        if (last.extension() == ".png" || !fs::exists(last, error)) {
+        if (lower_extension(last) == ".png" || !fs::exists(last, error)) {
             line.output = last;
             line.inputs.pop_back();
         }

@@ -20,12 +20,6 @@ constexpr std::size_t kLongestHeader = 1 << 16;
 // The shortest point is three one-byte integers.
 constexpr std::uint64_t kLeastBytesPerPoint = 3;
 
-std::string lower_extension(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
-
 /// The header of a PLY file as text, up to end_header; empty for anything else.
 std::string ply_header(const fs::path& path) {
     std::error_code error;
@@ -52,6 +46,12 @@ std::optional<std::uint64_t> element_count(const std::string& header, std::strin
 }
 
 }  // namespace
+
+std::string lower_extension(const fs::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
 
 void check_writable(const fs::path& output, std::span<const fs::path> inputs) {
     std::error_code error;

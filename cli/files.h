@@ -23,6 +23,9 @@ void check_extension(const std::filesystem::path& output,
 void check_companions(const std::filesystem::path& output,
                       std::span<const std::filesystem::path> inputs);
 
+/// ".png" of "a/B.PNG".
+std::string lower_extension(const std::filesystem::path& path);
+
 /// Throws Error{kInvalidOption} if `output` is a file that an OBJ or glTF input in the same folder
 /// names: one of its textures.
 void check_no_texture(const std::filesystem::path& output,

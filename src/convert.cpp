@@ -164,10 +164,7 @@ void validate(const ConvertOptions& options) {
     if (options.texture.mips < 0 || options.texture.mips > kMostMips)
         fail(ErrorCode::kInvalidOption, "mips is {}: 0 to {} are accepted", options.texture.mips,
              kMostMips);
-    if (options.simplify.geometry_error && !(options.simplify.geometry_error->value > 0.0))
-        fail(ErrorCode::kInvalidOption,
-             "geometry-error is {}: it must be a positive length such as 0.1%, 0.002 or 2mm",
-             to_string(*options.simplify.geometry_error));
+    validate(options.simplify);
     // Refuses sides and budgets that no page can have.
     constexpr std::uint64_t kSmallestPage = 64 * 64;
     budget_pages(static_cast<std::int64_t>(options.texture.texels > 0 ? options.texture.texels

@@ -25,6 +25,8 @@ struct SimplifyOptions {
         field("keep-mesh", &SimplifyOptions::keep_mesh, "keep the mesh as it is");
     }
 };
+/// Throws Error{kInvalidOption} for a bound that is no positive length.
+void validate(const SimplifyOptions& options);
 
 /// Distances in cloud units. "points to mesh" is measured at every kept point; "mesh to surface" at
 /// samples of the light mesh against the dense one, their spacing's slack added to the maximum.

@@ -29,11 +29,7 @@ constexpr double kPreparedShare = 0.1, kBoundedShare = 0.6, kCollapsedShare = 0.
                  kMeasuredShare = 0.9;
 
 void validate(const DenseMesh& dense, const PointCloud& cloud, const SimplifyOptions& options) {
-    if (options.geometry_error &&
-        !(options.geometry_error->value > 0.0 && std::isfinite(options.geometry_error->value)))
-        fail(ErrorCode::kInvalidOption,
-             "geometry-error is {}: it must be a positive length such as 0.1%, 0.002 or 2mm",
-             options.geometry_error->value);
+    validate(options);
     const std::size_t num_vertices = dense.mesh.positions.size();
     for (std::size_t t = 0; t < dense.mesh.triangles.size(); ++t) {
         for (Index v : dense.mesh.triangles[t]) {
@@ -221,6 +217,14 @@ FitMesh make_light(Surface& surface, Attribution& attribution, const SimplifyOpt
 }
 
 }  // namespace
+
+void validate(const SimplifyOptions& options) {
+    if (options.geometry_error &&
+        !(options.geometry_error->value > 0.0 && std::isfinite(options.geometry_error->value)))
+        fail(ErrorCode::kInvalidOption,
+             "geometry-error is {}: it must be a positive length such as 0.1%, 0.002 or 2mm",
+             options.geometry_error->value);
+}
 
 SimplifyResult simplify(const DenseMesh& dense, const PointCloud& cloud,
                         const SimplifyOptions& options, const Context& context) {
