@@ -9,6 +9,7 @@ void add_job_options(OptionTable& table, Job& job, Stage first, Stage last) {
     if (has(Stage::kReconstruct)) {
         table.add(OptionGroup::kGeometry, true, job.convert.reconstruct);
         table.add(OptionGroup::kGeometry, true, job.convert.attributes);
+        table.add(OptionGroup::kGeometry, true, job.convert.denoise);
     }
     if (has(Stage::kSimplify)) table.add(OptionGroup::kGeometry, true, job.convert.simplify);
     if (has(Stage::kTexture)) {

@@ -190,8 +190,10 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
     tell_about_faces(input, options, context);
     if (options.texture.paper) tell_paper_readings(context);
     if (!stages.run(Stage::kAttributes, [&] {
+            DenoiseResult denoised = denoise(std::move(input.cloud), options.denoise, context);
+            result.report.denoise = denoised.report;
             AttributesResult attributes =
-                estimate_attributes(std::move(input.cloud), options.attributes, context);
+                estimate_attributes(std::move(denoised.cloud), options.attributes, context);
             result.cloud = std::move(attributes.cloud);
             result.report.attributes = attributes.report;
         })) {

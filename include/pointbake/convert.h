@@ -7,6 +7,7 @@
 
 #include "pointbake/atlas.h"
 #include "pointbake/attributes.h"
+#include "pointbake/denoise.h"
 #include "pointbake/load.h"
 #include "pointbake/reconstruct.h"
 #include "pointbake/simplify.h"
@@ -23,6 +24,7 @@ struct EnumWords<Stage> {
 };
 
 struct ConvertOptions {
+    DenoiseOptions denoise;
     AttributesOptions attributes;
     ReconstructOptions reconstruct;
     SimplifyOptions simplify;
@@ -45,6 +47,7 @@ struct AtlasReport {
 };
 
 struct ConvertReport {
+    DenoiseReport denoise;
     AttributesReport attributes;
     ReconstructReport reconstruct;
     SimplifyReport simplify;

@@ -41,7 +41,8 @@ struct ReconstructReport {
     Index num_flat = 0;                ///< points that Cocone calls flat (well sampled)
     Index num_poor = 0;                ///< points without a good umbrella
     Index num_conflicts = 0;           ///< tetrahedra that got both labels
-    Index num_unused = 0;              ///< points that are no vertex of the surface
+    Index num_thinned = 0;             ///< points too near to others to be vertices as well
+    Index num_unused = 0;              ///< points that are no vertex of the surface, thinned or not
     Index num_split_vertices = 0;      ///< copies made so that the surface is 2-manifold
     double added_area_fraction = 0.0;  ///< share of the watertight surface that Cocone did not find
 };

@@ -1,7 +1,10 @@
-// Random numbers without state: a hash of (seed, index).
+// Random numbers without state: a hash of (seed, index) or of a place.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+
+#include "pointbake/vec.h"
 
 namespace pointbake {
 
@@ -14,6 +17,14 @@ constexpr std::uint64_t hash64(std::uint64_t x) {
 }
 constexpr std::uint64_t hash64(std::uint64_t seed, std::uint64_t index) {
     return hash64(hash64(seed) ^ index);
+}
+
+/// Of a place, by the bits of its coordinates; -0 counts as 0.
+constexpr std::uint64_t hash_of(Vec3d v) {
+    std::uint64_t hash = 0;
+    for (const double c : {v.x, v.y, v.z})
+        hash = hash64(hash, std::bit_cast<std::uint64_t>(c + 0.0));
+    return hash;
 }
 
 /// Uniform in [0, 1).

@@ -17,6 +17,7 @@
 #include "reconstruct/open_surface.h"
 #include "reconstruct/pieces.h"
 #include "reconstruct/tetrahedra.h"
+#include "reconstruct/thin.h"
 #include "reconstruct/tight_cocone.h"
 
 namespace pointbake {
@@ -27,6 +28,8 @@ constexpr std::string_view kStage = "reconstruct";
 constexpr double kMaxAdded = 0.15;
 // ... and left out at most this share of what Cocone found (double walls, hidden sheets).
 constexpr double kMaxLost = 0.05;
+// Points nearer to each other than this share of the spacing do not both become vertices.
+constexpr double kNearest = 0.5;
 
 void validate(const ReconstructOptions& options) {
     if (options.surface == Surface::kGiven)
@@ -134,9 +137,7 @@ class Stage {
             fail(ErrorCode::kDegenerate,
                  "the points lie in a plane, which no watertight surface can have; use --surface "
                  "open");
-        tets_ = tetrahedralize(is_flat_ ? project(cloud_.positions, frame) : cloud_.positions,
-                               context_);
-        report_progress(context_, kStage, 0.5);
+        tets_ = triangulate(is_flat_ ? project(cloud_.positions, frame) : cloud_.positions);
         const Cocone cocone = find_cocone(tets_, context_);
         report_.num_flat = cocone.num_flat;
         report_progress(context_, kStage, 0.7);
@@ -150,6 +151,19 @@ class Stage {
     }
 
  private:
+    // Of points that are not too near to each other.
+    Tetrahedra triangulate(const std::vector<Vec3d>& points) {
+        const std::vector<Index> kept = thin(points, kNearest, context_);
+        report_.num_thinned = static_cast<Index>(points.size() - kept.size());
+        std::vector<Vec3d> some;
+        some.reserve(kept.size());
+        for (Index i : kept) some.push_back(points[i]);
+        Tetrahedra tets = tetrahedralize(some, context_);
+        for (Index& id : tets.point_ids) id = kept[id];
+        report_progress(context_, kStage, 0.5);
+        return tets;
+    }
+
     // Replaces the open surface by the closed one where that is wanted.
     void choose(const Cocone& cocone, FacetSurface& surface) {
         report_.surface = Surface::kOpen;

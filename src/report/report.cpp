@@ -52,6 +52,7 @@ Json to_json(const ReconstructReport& r) {
             {"flat_points", r.num_flat},
             {"poor_points", r.num_poor},
             {"label_conflicts", r.num_conflicts},
+            {"thinned_points", r.num_thinned},
             {"unused_points", r.num_unused},
             {"split_vertices", r.num_split_vertices},
             {"added_area_fraction", r.added_area_fraction}};
@@ -101,6 +102,12 @@ Json to_json(const TextureReport& r) {
             {"uncovered_texels", r.num_uncovered_texels},
             {"largest_stretch", r.largest_stretch},
             {"densities", densities}};
+}
+
+Json to_json(const DenoiseReport& r) {
+    Json json = {{"noise_in_spacings", r.noise}, {"done", r.is_done}};
+    if (r.is_done) json.update({{"shift_rms", r.shift_rms}, {"shift_max", r.shift_max}});
+    return json;
 }
 
 Json to_json(const AtlasReport& r) {
@@ -155,7 +162,10 @@ std::string report_json(const RunReport& r) {
                  {"options", Json::parse(r.options)}};
     json["input"].update(to_json(r.load));
     json["last_stage"] = to_word(r.last_stage);
-    if (r.last_stage >= Stage::kAttributes) json["attributes"] = to_json(r.convert.attributes);
+    if (r.last_stage >= Stage::kAttributes) {
+        json["attributes"] = to_json(r.convert.attributes);
+        json["attributes"]["denoise"] = to_json(r.convert.denoise);
+    }
     if (r.last_stage >= Stage::kReconstruct) json["reconstruct"] = to_json(r.convert.reconstruct);
     if (r.last_stage >= Stage::kSimplify) {
         json["simplify"] = to_json(r.convert.simplify);

@@ -49,6 +49,7 @@ void check_cloud(const PointCloud& cloud) {
     check_size("sensor directions", cloud.sensors.size(), n);
     check_size("weights", cloud.weights.size(), n);
     check_size("rows", cloud.rows.size(), n);
+    check_size("measured positions", cloud.measured.size(), n);
     for (const Channel& channel : cloud.channels)
         check_size("values of '" + channel.name + "'", channel.data.size(),
                    n * channel.num_components);
@@ -120,9 +121,10 @@ std::vector<RowEntry> row_entries(const PointCloud& cloud,
                                   const Context& context) {
     std::vector<RowEntry> entries;
     entries.reserve(cloud.size() + cloud.dropped.size() + cloud.merged.size());
+    const std::vector<Vec3d>& read = cloud.measured.empty() ? cloud.positions : cloud.measured;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
         const bool is_off = !off_surface.empty() && off_surface[i] != 0;
-        entries.push_back({cloud.rows.empty() ? i : cloud.rows[i], cloud.positions[i],
+        entries.push_back({cloud.rows.empty() ? i : cloud.rows[i], read[i],
                            is_off ? DropReason::kOffSurface : DropReason::kKept, !is_off});
     }
     for (const DroppedPoint& d : cloud.dropped)

@@ -1,0 +1,105 @@
+#include "reconstruct/thin.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "core/hash.h"
+#include "core/kdtree.h"
+#include "core/parallel.h"
+#include "core/parallel_sort.h"
+
+namespace pointbake {
+namespace {
+
+constexpr double kPi = 3.141592653589793;
+constexpr std::size_t kNeighbors = 12;  // all that is nearer than 1.9 spacings is among them
+constexpr std::size_t kGrain = 1024;
+
+struct Ranked {
+    std::uint64_t hash;
+    Index point;
+    friend bool operator<(const Ranked& a, const Ranked& b) {
+        return a.hash != b.hash ? a.hash < b.hash : a.point < b.point;
+    }
+};
+
+class Thinner {
+ public:
+    Thinner(std::span<const Vec3d> points, double share, const Context& context)
+        : points_(points), share_(share), context_(context), tree_(points) {}
+
+    std::vector<Index> run() {
+        find_reach();
+        find_rivals();
+        std::vector<Ranked> order(points_.size());
+        for (Index i = 0; i < order.size(); ++i) order[i] = {hash_of(points_[i]), i};
+        parallel_sort(context_, order);
+        std::vector<std::uint8_t> is_kept(points_.size(), 0);
+        for (const Ranked& r : order) {
+            const auto rivals = rivals_of(r.point);
+            is_kept[r.point] = std::none_of(rivals.begin(), rivals.end(),
+                                            [&](Index j) { return is_kept[j] != 0; });
+        }
+        std::vector<Index> kept;
+        for (Index i = 0; i < is_kept.size(); ++i)
+            if (is_kept[i] != 0) kept.push_back(i);
+        return kept;
+    }
+
+ private:
+    using Buffer = std::array<Neighbor, kNeighbors + 1>;  // the point itself is among them
+
+    void find_reach() {
+        reach2_.resize(points_.size());
+        parallel_for(context_, points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            Buffer buffer;
+            for (std::size_t i = begin; i < end; ++i) {
+                const auto found = tree_.nearest(points_[i], buffer);
+                const double density =
+                    static_cast<double>(std::max<std::size_t>(found.size(), 2) - 1);
+                reach2_[i] = share_ * share_ * kPi * found.back().squared_distance / density;
+            }
+        });
+    }
+
+    // Per point those that are too near for both to stay.
+    void find_rivals() {
+        const std::size_t num_chunks = (points_.size() + kGrain - 1) / kGrain;
+        std::vector<std::vector<Index>> found_in(num_chunks);
+        rivals_begin_.assign(points_.size() + 1, 0);
+        parallel_for(context_, points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            Buffer buffer;
+            std::vector<Index>& rivals = found_in[begin / kGrain];
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::size_t before = rivals.size();
+                for (const Neighbor& n : tree_.nearest(points_[i], buffer))
+                    if (n.index != i && n.squared_distance < std::min(reach2_[i], reach2_[n.index]))
+                        rivals.push_back(n.index);
+                rivals_begin_[i + 1] = static_cast<Index>(rivals.size() - before);
+            }
+        });
+        std::partial_sum(rivals_begin_.begin(), rivals_begin_.end(), rivals_begin_.begin());
+        for (const auto& part : found_in) rivals_.insert(rivals_.end(), part.begin(), part.end());
+    }
+
+    std::span<const Index> rivals_of(Index point) const {
+        return std::span(rivals_).subspan(rivals_begin_[point],
+                                          rivals_begin_[point + 1] - rivals_begin_[point]);
+    }
+
+    std::span<const Vec3d> points_;
+    double share_;
+    const Context& context_;
+    KdTree tree_;
+    std::vector<double> reach2_;
+    std::vector<Index> rivals_begin_, rivals_;
+};
+
+}  // namespace
+
+std::vector<Index> thin(std::span<const Vec3d> points, double share, const Context& context) {
+    return Thinner(points, share, context).run();
+}
+
+}  // namespace pointbake
