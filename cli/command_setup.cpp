@@ -7,6 +7,7 @@ namespace pointbake::cli {
 void add_job_options(OptionTable& table, Job& job, Stage first, Stage last) {
     const auto has = [&](Stage stage) { return first <= stage && stage <= last; };
     if (has(Stage::kReconstruct)) {
+        table.add(OptionGroup::kCleaning, true, job.convert.clean);
         table.add(OptionGroup::kGeometry, true, job.convert.reconstruct);
         table.add(OptionGroup::kGeometry, true, job.convert.attributes);
     }
