@@ -17,10 +17,10 @@ struct EnumWords<Unwanted> {
 };
 
 struct CleanOptions {
-    std::optional<Box> crop;  ///< in the file's coordinates; its sides belong to it
+    std::optional<Box> crop = {};  ///< in the file's coordinates; its sides belong to it
     Unwanted outliers = Unwanted::kDrop;
     Unwanted floaters = Unwanted::kDrop;
-    std::optional<Length> subsample;
+    std::optional<Length> subsample = {};
     template <class Field>
     static void describe(Field&& field) {
         field("crop", &CleanOptions::crop,

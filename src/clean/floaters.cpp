@@ -18,7 +18,7 @@ constexpr std::size_t kEdges = 8;          // neighbours that a point may be joi
 constexpr double kJoined = 4.0;            // farther than this many spacings they are not
 constexpr std::size_t kMostPoints = 99;    // of a floating piece
 constexpr std::size_t kLeastParts = 1000;  // a floating piece fits so often into the largest one
-constexpr double kGap = 5.0;               // spacings
+constexpr double kGap = 8.0;  // spacings; parts of scans that shadows cut off lie nearer
 // More than a piece has points, so that the nearest of them that belong to others are seen.
 constexpr std::size_t kSeen = 128;
 

@@ -19,10 +19,9 @@ constexpr std::size_t kGrain = 4096;  // points per chunk: about a millisecond
 // four spacings off a plane is 2.7.
 constexpr double kIsolated = 2.5;
 constexpr double kSparseIsolated = 2.0;  // where the point is sparse against the whole cloud, too
-// Of its 16 neighbours so many count it among theirs. Beside a jump in density a sparse point on
-// the surface has five or more, on its other side.
+// Of its 16 neighbours no more count it among theirs. Beside a jump in density a sparse point on
+// the surface has some on its other side.
 constexpr int kMutual = 2;
-constexpr int kSparseMutual = 4;
 // Sparse: mean distance beyond the median by this factor, or by four standard deviations of the
 // logarithm: six median deviations. As a power of a ratio, since log() differs between machines.
 constexpr double kSparseFactor = 2.0;
@@ -119,9 +118,8 @@ class OutlierSearch {
     bool is_isolated(std::size_t i) const {
         const double ratio = contrast(i);
         if (!(ratio > kSparseIsolated)) return false;
-        const int mutual = num_mutual(i);
-        if (ratio > kIsolated && mutual <= kMutual) return true;
-        return is_sparse(i) && (mutual <= kSparseMutual || roundness(near_, i) > kOffPlane);
+        if (num_mutual(i) <= kMutual && (ratio > kIsolated || is_sparse(i))) return true;
+        return is_sparse(i) && roundness(near_, i) > kOffPlane;
     }
 
     bool is_scattered(std::size_t i) const {
