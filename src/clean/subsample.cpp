@@ -15,12 +15,12 @@ namespace {
 constexpr double kCellSlack = 1.0 + 1e-9;
 constexpr std::size_t kPointsPerPoll = 65536;
 
-std::uint64_t hash_of(Vec3d v) {
-    std::uint64_t hash = 0;
-    for (std::size_t k = 0; k < 3; ++k)  // -0 hashes as 0
-        hash = hash64(hash, std::bit_cast<std::uint64_t>(v[k] + 0.0));
-    return hash;
+/// By coordinate; -0 hashes as 0.
+std::uint64_t axis_hash(std::size_t axis, double x) {
+    return hash64(axis, std::bit_cast<std::uint64_t>(x + 0.0));
 }
+
+std::uint64_t hash_of(Vec3d v) { return axis_hash(0, v.x) + axis_hash(1, v.y) + axis_hash(2, v.z); }
 
 /// The points that stay, in lists by cells of a grid anchored at the origin. Cells share lists by
 /// chance: distances decide.
@@ -33,16 +33,20 @@ class KeptPoints {
           next_(positions.size(), kInvalidIndex) {}
 
     void add(Index i) {
-        Index& head = heads_[list(cell_of(positions_[i]))];
+        Index& head = heads_[hash_of(cell_of(positions_[i])) & mask()];
         next_[i] = head;
         head = i;
     }
 
     bool has_near(Index i) const {
         const Vec3d cell = cell_of(positions_[i]);
-        for (int n = 0; n < 27; ++n) {
-            const Vec3d offset{n % 3 - 1.0, n / 3 % 3 - 1.0, n / 9 - 1.0};
-            for (Index k = heads_[list(cell + offset)]; k != kInvalidIndex; k = next_[k])
+        std::uint64_t hashes[3][3];  // by axis, of the cell and those beside it
+        for (std::size_t k = 0; k < 3; ++k)
+            for (std::size_t n = 0; n < 3; ++n)
+                hashes[k][n] = axis_hash(k, cell[k] + static_cast<double>(n) - 1.0);
+        for (std::size_t n = 0; n < 27; ++n) {
+            const std::uint64_t hash = hashes[0][n % 3] + hashes[1][n / 3 % 3] + hashes[2][n / 9];
+            for (Index k = heads_[hash & mask()]; k != kInvalidIndex; k = next_[k])
                 if (length(positions_[k] - positions_[i]) < spacing_) return true;
         }
         return false;
@@ -53,7 +57,7 @@ class KeptPoints {
         const double side = spacing_ * kCellSlack;
         return {std::floor(p.x / side), std::floor(p.y / side), std::floor(p.z / side)};
     }
-    std::size_t list(Vec3d cell) const { return hash_of(cell) & (heads_.size() - 1); }
+    std::size_t mask() const { return heads_.size() - 1; }
 
     std::span<const Vec3d> positions_;
     double spacing_;
