@@ -7,9 +7,10 @@ namespace pointbake::cli {
 void add_job_options(OptionTable& table, Job& job, Stage first, Stage last) {
     const auto has = [&](Stage stage) { return first <= stage && stage <= last; };
     if (has(Stage::kReconstruct)) {
+        table.add(OptionGroup::kCleaning, true, job.convert.clean);
+        table.add(OptionGroup::kCleaning, true, job.convert.denoise);
         table.add(OptionGroup::kGeometry, true, job.convert.reconstruct);
         table.add(OptionGroup::kGeometry, true, job.convert.attributes);
-        table.add(OptionGroup::kGeometry, true, job.convert.denoise);
     }
     if (has(Stage::kSimplify)) table.add(OptionGroup::kGeometry, true, job.convert.simplify);
     if (has(Stage::kTexture)) {

@@ -41,7 +41,7 @@ void run_info(Words words, const std::stop_token& stop) {
     job.output = std::filesystem::path(line.inputs[0]).replace_extension(".glb");
     const ConvertInput input{
         .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};
-    for (const std::string& entry : plan_lines(job, input)) text += entry + "\n";
+    for (const std::string& entry : plan_lines(job, input, context)) text += entry + "\n";
     print_data(text);
 }
 

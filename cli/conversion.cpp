@@ -199,7 +199,7 @@ class Run {
     }
 
     void tell_plan(const ConvertInput& input) const {
-        for (const std::string& line : plan_lines(job_, input)) print_data(line + "\n");
+        for (const std::string& line : plan_lines(job_, input, context_)) print_data(line + "\n");
     }
 
     bool fails_strict() const { return job_.limits.strict && !missed_bounds(report_).empty(); }

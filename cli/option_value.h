@@ -87,6 +87,13 @@ struct OptionValue<HexColor> {
 };
 
 template <>
+struct OptionValue<Box> {
+    static std::string placeholder() { return "BOX"; }
+    static Box parse(std::string_view text) { return parse_box(text); }
+    static std::string json(const Box& value) { return json_string(to_string(value)); }
+};
+
+template <>
 struct OptionValue<Vec3d> {
     static std::string placeholder() { return "X,Y,Z"; }
     static Vec3d parse(std::string_view text);

@@ -13,10 +13,25 @@ std::string bound_text(double bound) {
     return std::isfinite(bound) ? fmt::format("bound {:.4g}", bound) : "no bound";
 }
 
+/// "4,812 outliers, 37 points of 3 floating pieces"; empty if nothing is dropped.
+std::string cleaning_text(const CleanReport& clean) {
+    std::vector<std::string> parts;
+    if (clean.num_outliers > 0) parts.push_back(counted(clean.num_outliers, "outlier"));
+    if (clean.num_floating > 0)
+        parts.push_back(fmt::format("{} of {}", counted(clean.num_floating, "point"),
+                                    counted(clean.num_floating_pieces, "floating piece")));
+    if (clean.num_cropped > 0)
+        parts.push_back(counted(clean.num_cropped, "point") + " outside of --crop");
+    if (clean.num_subsampled > 0)
+        parts.push_back(counted(clean.num_subsampled, "point") + " nearer than --subsample");
+    return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 std::string geometry_line(const RunReport& r) {
     const SimplifyReport& simplify = r.convert.simplify;
     std::string line = fmt::format(
-        "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}", counted(r.load.num_kept, "point"),
+        "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}",
+        counted(r.load.num_kept - r.convert.clean.num_dropped(), "point"),
         counted(simplify.num_triangles, "triangle"), to_word(r.convert.reconstruct.surface),
         simplify.points_to_mesh.max, simplify.points_to_mesh.mean, bound_text(simplify.bound));
     if (simplify.num_off_surface > 0)
@@ -58,6 +73,15 @@ std::string file_line(const RunReport& r) {
     return fmt::format("{}, {} in {:.1f} s, peak memory {}",
                        r.output.empty() ? "work directory written" : "wrote " + r.output,
                        bytes_text(r.write.num_bytes), r.seconds, bytes_text(r.peak_bytes));
+}
+
+std::string cleaning_plan(const Job& job, const ConvertInput& input, const Context& context) {
+    PointCloud points;
+    points.positions = input.cloud.positions;
+    const CleanOptions options = cleaning_for(input, job.convert);
+    const CleanReport report = clean(std::move(points), options, context).report;
+    if (report.num_dropped() == 0) return "nothing to drop";
+    return "drop " + cleaning_text(report);
 }
 
 std::string bound_plan(const std::optional<Length>& error, double diagonal) {
@@ -115,6 +139,8 @@ void append_defects(std::vector<std::string>& lines, const LoadReport& load) {
 
 std::vector<std::string> summary_lines(const RunReport& r) {
     std::vector<std::string> lines;
+    if (r.convert.clean.num_dropped() > 0)
+        lines.push_back(fmt::format("cleaned: {} dropped", cleaning_text(r.convert.clean)));
     if (r.last_stage >= Stage::kSimplify) lines.push_back(geometry_line(r));
     if (r.last_stage >= Stage::kTexture && r.convert.atlas.num_texels > 0)
         lines.push_back(texture_line(r));
@@ -138,7 +164,8 @@ std::vector<std::string> missed_bounds(const RunReport& r) {
     return lines;
 }
 
-std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input) {
+std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input,
+                                    const Context& context) {
     Box box;
     for (const Vec3d& p : input.cloud.positions) box.extend(p);
     std::vector<std::string> lines;
@@ -147,6 +174,7 @@ std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input) {
     };
     append("points", fmt::format("{}, {} across", grouped(input.cloud.size()),
                                  fmt::format("{:.6g}", box.diagonal())));
+    append("cleaning", cleaning_plan(job, input, context));
     append("surface", surface_plan(job, input));
     append("simplify", simplify_plan(job.convert, box.diagonal()));
     append("colours", input.cloud.colors.empty() ? "none in the file" : "in the file");

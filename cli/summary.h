@@ -15,7 +15,8 @@ std::vector<std::string> summary_lines(const RunReport& report);
 std::vector<std::string> missed_bounds(const RunReport& report);
 
 /// What convert would do with these points, in words.
-std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input);
+std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input,
+                                    const Context& context);
 
 /// What is in a file.
 std::vector<std::string> info_lines(const LoadReport& load, const CloudSummary& cloud,

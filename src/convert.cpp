@@ -164,6 +164,7 @@ void validate(const ConvertOptions& options) {
     if (options.texture.mips < 0 || options.texture.mips > kMostMips)
         fail(ErrorCode::kInvalidOption, "mips is {}: 0 to {} are accepted", options.texture.mips,
              kMostMips);
+    validate(options.clean);
     validate(options.simplify);
     // Refuses sides and budgets that no page can have.
     constexpr std::uint64_t kSmallestPage = 64 * 64;
@@ -178,6 +179,16 @@ void validate(const ConvertOptions& options) {
              "--paper lays out triangles of its own: it does not go with --keep-uvs");
 }
 
+CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options) {
+    CleanOptions cleaning = options.clean;
+    if (!input.mesh && options.reconstruct.surface != Surface::kGiven) return cleaning;
+    if (!input.mesh && (cleaning.crop || cleaning.subsample))
+        fail(ErrorCode::kInvalidOption,
+             "--crop and --subsample do not go with --surface given: the faces need their points");
+    cleaning.outliers = cleaning.floaters = Unwanted::kKeep;
+    return cleaning;
+}
+
 ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                       const StageObserver& observer, const Context& context) {
     ConvertResult result;
@@ -190,7 +201,13 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
     tell_about_faces(input, options, context);
     if (options.texture.paper) tell_paper_readings(context);
     if (!stages.run(Stage::kAttributes, [&] {
-            DenoiseResult denoised = denoise(std::move(input.cloud), options.denoise, context);
+            CleanResult cleaned =
+                clean(std::move(input.cloud), cleaning_for(input, options), context);
+            result.report.clean = cleaned.report;
+            // A surface that is given is not second-guessed.
+            const DenoiseOptions denoising =
+                is_given ? DenoiseOptions{Denoise::kOff} : options.denoise;
+            DenoiseResult denoised = denoise(std::move(cleaned.cloud), denoising, context);
             result.report.denoise = denoised.report;
             AttributesResult attributes =
                 estimate_attributes(std::move(denoised.cloud), options.attributes, context);

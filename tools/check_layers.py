@@ -7,14 +7,14 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # What each folder of src/ may include besides itself, core/ and the public headers.
 ALLOWED = {
-    "core": set(), "io": set(), "write": set(), "attributes": set(), "reconstruct": set(),
+    "core": set(), "io": set(), "write": set(), "clean": set(), "attributes": set(), "reconstruct": set(),
     "simplify": set(), "texture": set(), "atlas": set(), "model": set(), "sample": {"model"},
     "render": set(), "report": set(),
 }
 # Public headers of stages that another folder's sources may use.
-PUBLIC = {"sample": {"model"}, "report": {"convert", "load", "write", "attributes", "reconstruct",
+PUBLIC = {"sample": {"model"}, "report": {"convert", "load", "write", "clean", "attributes", "reconstruct",
                                           "simplify", "texture", "atlas", "report", "options"}}
-STAGES = {"load", "attributes", "reconstruct", "simplify", "texture", "atlas", "write", "sample",
+STAGES = {"load", "clean", "attributes", "reconstruct", "simplify", "texture", "atlas", "write", "sample",
           "model", "render", "convert", "report"}
 OWN = {"io": {"load"}, "texture": {"texture", "simplify"}}
 
@@ -39,7 +39,7 @@ def problems():
                 yield f"{here}: {folder} must not include {target}"
     for path in sorted((ROOT / "cli").rglob("*.[hc]*")):
         for line, text in enumerate(path.read_text().splitlines(), 1):
-            if re.match(r'\s*#include "(texture|simplify|atlas|attributes|reconstruct|io|write)/', text):
+            if re.match(r'\s*#include "(texture|simplify|atlas|clean|attributes|reconstruct|io|write)/', text):
                 yield f"{path.relative_to(ROOT)}:{line}: the command line uses public headers only"
 
 

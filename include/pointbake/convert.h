@@ -7,6 +7,7 @@
 
 #include "pointbake/atlas.h"
 #include "pointbake/attributes.h"
+#include "pointbake/clean.h"
 #include "pointbake/denoise.h"
 #include "pointbake/load.h"
 #include "pointbake/reconstruct.h"
@@ -24,6 +25,7 @@ struct EnumWords<Stage> {
 };
 
 struct ConvertOptions {
+    CleanOptions clean;
     DenoiseOptions denoise;
     AttributesOptions attributes;
     ReconstructOptions reconstruct;
@@ -47,6 +49,7 @@ struct AtlasReport {
 };
 
 struct ConvertReport {
+    CleanReport clean;
     DenoiseReport denoise;
     AttributesReport attributes;
     ReconstructReport reconstruct;
@@ -79,6 +82,11 @@ using StageObserver = std::function<void(Stage, const ConvertResult&)>;
 
 /// Throws Error{kInvalidOption} for options that contradict each other.
 void validate(const ConvertOptions& options);
+
+/// How convert cleans this input. Where the surface is given, it says what belongs to it: outliers
+/// and floating pieces are not looked for. Throws Error{kInvalidOption} where the faces of the same
+/// file would lose points.
+CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options);
 
 /// Throws Error as the stages do.
 ConvertResult convert(ConvertInput input, const ConvertOptions& options = {},

@@ -15,6 +15,8 @@
 #include <string>
 #include <string_view>
 
+#include "pointbake/vec.h"
+
 namespace pointbake {
 
 /// A length: a fraction of the bounding-box diagonal ("0.1%"), cloud units ("0.002") or metres
@@ -43,6 +45,10 @@ struct HexColor {
 /// Throws Error{kInvalidOption} naming what would be accepted.
 HexColor parse_hex_color(std::string_view text);
 std::string to_string(HexColor color);
+
+/// Reads "x0,y0,z0,x1,y1,z1". Throws Error{kInvalidOption} naming what would be accepted.
+Box parse_box(std::string_view text);
+std::string to_string(const Box& box);
 
 /// The words of an enum, in the order of its values (0, 1, ...). Specialise as
 ///     template <> struct EnumWords<Shading> { static constexpr std::string_view words[] =

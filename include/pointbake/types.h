@@ -36,6 +36,10 @@ enum class DropReason : std::uint8_t {
     kMerged = 1,      ///< same coordinates as another row, which stands for it: counts as kept
     kNonFinite = 2,   ///< a coordinate is NaN or infinite
     kOffSurface = 3,  ///< the reconstructed surface leaves it out, farther than the geometry bound
+    kOutlier = 4,     ///< cleaning: off the surface, by the distances to its neighbours
+    kFloating = 5,    ///< cleaning: of a small piece that floats beside the model
+    kCropped = 6,     ///< outside of --crop
+    kSubsampled = 7,  ///< another point that is kept lies nearer than --subsample
 };
 std::string_view to_string(DropReason reason);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include "core/message.h"
 #include "pointbake/types.h"
@@ -9,8 +10,9 @@
 namespace pointbake {
 
 std::string_view to_string(DropReason reason) {
-    static constexpr std::array<std::string_view, 4> words = {"kept", "merged", "non_finite",
-                                                              "off_surface"};
+    static constexpr std::array<std::string_view, 8> words = {
+        "kept",    "merged",   "non_finite", "off_surface",
+        "outlier", "floating", "cropped",    "subsampled"};
     return words[static_cast<std::size_t>(reason)];
 }
 
@@ -56,6 +58,27 @@ HexColor parse_hex_color(std::string_view text) {
 
 std::string to_string(HexColor color) {
     return fmt::format("{:02x}{:02x}{:02x}", color.r, color.g, color.b);
+}
+
+Box parse_box(std::string_view text) {
+    std::array<double, 6> bounds{};
+    const char* next = text.data();
+    const char* const end = text.data() + text.size();
+    for (std::size_t k = 0; k < bounds.size(); ++k) {
+        const auto [stop, error] = std::from_chars(next, end, bounds[k]);
+        const bool is_last = k + 1 == bounds.size();
+        if (error != std::errc{} || !std::isfinite(bounds[k]) ||
+            (is_last ? stop != end : stop == end || *stop != ','))
+            fail(ErrorCode::kInvalidOption,
+                 "'{}' is not a box: expected x0,y0,z0,x1,y1,z1 like -1,-1,0,1,1,2.5", text);
+        next = is_last ? stop : stop + 1;
+    }
+    return {{bounds[0], bounds[1], bounds[2]}, {bounds[3], bounds[4], bounds[5]}};
+}
+
+std::string to_string(const Box& box) {
+    return fmt::format("{},{},{},{},{},{}", box.low.x, box.low.y, box.low.z, box.high.x, box.high.y,
+                       box.high.z);
 }
 
 }  // namespace pointbake

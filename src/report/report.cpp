@@ -33,6 +33,14 @@ Json to_json(const LoadReport& r) {
             {"notes", r.notes}};
 }
 
+Json to_json(const CleanReport& r) {
+    return {{"outliers", r.num_outliers},
+            {"floating_points", r.num_floating},
+            {"floating_pieces", r.num_floating_pieces},
+            {"cropped", r.num_cropped},
+            {"subsampled", r.num_subsampled}};
+}
+
 Json to_json(const AttributesReport& r) {
     return {{"median_spacing", r.median_spacing},
             {"estimated_normals", r.num_estimated_normals},
@@ -163,8 +171,9 @@ std::string report_json(const RunReport& r) {
     json["input"].update(to_json(r.load));
     json["last_stage"] = to_word(r.last_stage);
     if (r.last_stage >= Stage::kAttributes) {
+        json["clean"] = to_json(r.convert.clean);
+        json["denoise"] = to_json(r.convert.denoise);
         json["attributes"] = to_json(r.convert.attributes);
-        json["attributes"]["denoise"] = to_json(r.convert.denoise);
     }
     if (r.last_stage >= Stage::kReconstruct) json["reconstruct"] = to_json(r.convert.reconstruct);
     if (r.last_stage >= Stage::kSimplify) {

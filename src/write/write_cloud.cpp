@@ -179,7 +179,9 @@ void write_points(const PointCloud& cloud, std::span<const std::uint8_t> off_sur
 
     PlyHeader header;
     for (const DropReason reason :
-         {DropReason::kKept, DropReason::kMerged, DropReason::kNonFinite, DropReason::kOffSurface})
+         {DropReason::kKept, DropReason::kMerged, DropReason::kNonFinite, DropReason::kOffSurface,
+          DropReason::kOutlier, DropReason::kFloating, DropReason::kCropped,
+          DropReason::kSubsampled})
         header.comment(fmt::format("reason {} {}", static_cast<int>(reason), to_string(reason)));
     header.element("vertex", entries.size());
     header.properties(as_double ? "double" : "float", {"x", "y", "z"});

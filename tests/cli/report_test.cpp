@@ -17,6 +17,11 @@ RunReport example() {
     report.input = "scan.ply";
     report.load.num_rows = 12;
     report.load.num_non_finite = 2;
+    report.convert.clean = {.num_cropped = 1,
+                            .num_outliers = 2,
+                            .num_floating = 30,
+                            .num_floating_pieces = 4,
+                            .num_subsampled = 5};
     report.convert.simplify.bound = HUGE_VAL;
     report.convert.simplify.bound_met = false;
     report.convert.texture.capped.by_budget = 3;
@@ -32,6 +37,8 @@ TEST(Report, HoldsWhatTheStagesTold) {
     const Json json = Json::parse(report_json(example()));
     EXPECT_EQ(json["input"]["rows"], 12);
     EXPECT_EQ(json["input"]["defects"]["non_finite"], 2);
+    EXPECT_EQ(json["clean"], Json::parse(R"({"outliers": 2, "floating_points": 30,
+        "floating_pieces": 4, "cropped": 1, "subsampled": 5})"));
     EXPECT_FALSE(json["simplify"]["bound_met"]);
     EXPECT_TRUE(json["simplify"]["bound"].is_null());
     EXPECT_EQ(json["texture"]["capped_triangles"]["total"], 7);
