@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "pointbake/vec.h"
@@ -22,8 +23,8 @@ constexpr std::uint64_t hash64(std::uint64_t seed, std::uint64_t index) {
 /// Of a place, by the bits of its coordinates; -0 counts as 0.
 constexpr std::uint64_t hash_of(Vec3d v) {
     std::uint64_t hash = 0;
-    for (const double c : {v.x, v.y, v.z})
-        hash = hash64(hash, std::bit_cast<std::uint64_t>(c + 0.0));
+    for (std::size_t k = 0; k < 3; ++k)
+        hash = hash64(hash, std::bit_cast<std::uint64_t>(v[k] + 0.0));
     return hash;
 }
 
