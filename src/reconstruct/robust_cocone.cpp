@@ -1,0 +1,109 @@
+// Based on [Dey06]: big Delaunay balls on the two sides of a noisy sheet hardly intersect, those on
+// one side do so deeply.
+#include "reconstruct/robust_cocone.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+#include "reconstruct/circumcenter.h"
+
+namespace pointbake {
+namespace {
+
+#ifndef RC_BIG
+#define RC_BIG 2.0
+#define RC_COS 0.0
+#define RC_ANY 0
+#endif
+constexpr double kBig = RC_BIG;
+constexpr double kDeepCos = RC_COS;
+constexpr std::size_t kGrain = 1U << 11;
+constexpr std::size_t kPollInterval = 1U << 16;
+
+class Flood {
+ public:
+    Flood(const Tetrahedra& tets, std::span<const float> spacing, const Context& context)
+        : tets_(tets), spacing_(spacing), context_(context) {}
+
+    std::vector<Index> run() {
+        find_big();
+        spread();
+        return list_points();
+    }
+
+ private:
+    void find_big() {
+        is_big_.resize(tets_.num_cells());
+        parallel_for(context_, is_big_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (Index c = static_cast<Index>(begin); c < end; ++c) is_big_[c] = is_big(c) ? 1 : 0;
+        });
+    }
+
+    // Against the spacing at all of its points: squares, and no division by the volume.
+    bool is_big(Index cell) const {
+        if (tets_.has_far(cell)) return true;
+        const Circumcenter center = circumcenter(tets_, cell);
+        double spacing = RC_ANY ? 1e300 : 0.0;
+        for (Index v : tets_.cells[cell])
+            spacing = RC_ANY ? std::min(spacing, double{spacing_[v]})
+                             : std::max(spacing, double{spacing_[v]});
+        const double reach = kBig * spacing * center.den;
+        return squared_length(center.num) > reach * reach;
+    }
+
+    // From all cells at far points.
+    void spread() {
+        is_outside_.assign(tets_.num_cells(), 0);
+        std::vector<Index> queue;
+        for (Index c = 0; c < tets_.num_cells(); ++c) {
+            if (!tets_.has_far(c)) continue;
+            is_outside_[c] = 1;
+            queue.push_back(c);
+        }
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            if (head % kPollInterval == 0) check_cancelled(context_);
+            const Index c = queue[head];
+            for (Index i = 0; i < 4; ++i) {
+                const Index n = tets_.neighbors[c][i];
+                if (n == kInvalidIndex || is_outside_[n] != 0 || is_big_[n] == 0) continue;
+                if (!intersect_deeply(c, n, tets_.cells[c][(i + 1) % 4])) continue;
+                is_outside_[n] = 1;
+                queue.push_back(n);
+            }
+        }
+    }
+
+    // The angle between two balls where their spheres meet is the one between the directions from
+    // any common point to their centres.
+    bool intersect_deeply(Index cell, Index other, Index common) const {
+        const Vec3d p = tets_.points[common];
+        const Vec3d a = direction_to(tets_, cell, circumcenter(tets_, cell), p);
+        const Vec3d b = direction_to(tets_, other, circumcenter(tets_, other), p);
+        return dot(a, b) >= kDeepCos * std::sqrt(squared_length(a) * squared_length(b));
+    }
+
+    std::vector<Index> list_points() const {
+        std::vector<std::uint8_t> is_outer(tets_.points.size(), 0);
+        for (Index c = 0; c < tets_.num_cells(); ++c)
+            if (is_outside_[c] != 0)
+                for (Index v : tets_.cells[c]) is_outer[v] = 1;
+        std::vector<Index> points;
+        for (Index v = 0; v < tets_.num_real(); ++v)
+            if (is_outer[v] != 0) points.push_back(v);
+        return points;
+    }
+
+    const Tetrahedra& tets_;
+    std::span<const float> spacing_;
+    const Context& context_;
+    std::vector<std::uint8_t> is_big_, is_outside_;
+};
+
+}  // namespace
+
+std::vector<Index> outer_points(const Tetrahedra& tets, std::span<const float> spacing,
+                                const Context& context) {
+    return Flood(tets, spacing, context).run();
+}
+
+}  // namespace pointbake
