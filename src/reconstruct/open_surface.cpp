@@ -16,7 +16,7 @@ namespace {
 
 // Largest circumradius of a facet in spacings: wider ones span holes. Facets without a flat point
 // have less to show for themselves.
-constexpr double kReach = 3.0, kAgreedReach = 1.5;
+constexpr double kReach = 3.0, kAgreedReach = 1.2;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
