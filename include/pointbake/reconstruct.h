@@ -14,10 +14,10 @@ template <>
 struct EnumWords<Surface> {
     static constexpr std::string_view words[] = {"auto", "open", "watertight", "given"};
 };
-enum class Method { kAuto, kCocone, kTightCocone };
+enum class Method { kAuto, kCocone, kTightCocone, kRobustCocone };
 template <>
 struct EnumWords<Method> {
-    static constexpr std::string_view words[] = {"auto", "cocone", "tight-cocone"};
+    static constexpr std::string_view words[] = {"auto", "cocone", "tight-cocone", "robust-cocone"};
 };
 
 struct ReconstructOptions {
@@ -27,8 +27,10 @@ struct ReconstructOptions {
     static void describe(Field&& field) {
         field("surface", &ReconstructOptions::surface,
               "what the surface is: open, watertight, the faces given in the file, or auto");
-        field("method", &ReconstructOptions::method,
-              "how it is found: cocone (open), tight-cocone (watertight), or auto");
+        field(
+            "method", &ReconstructOptions::method,
+            "how it is found: cocone (open), tight-cocone (watertight), robust-cocone (watertight, "
+            "around the noise), or auto");
     }
 };
 
@@ -41,6 +43,7 @@ struct ReconstructReport {
     Index num_flat = 0;                ///< points that Cocone calls flat (well sampled)
     Index num_poor = 0;                ///< points without a good umbrella
     Index num_conflicts = 0;           ///< tetrahedra that got both labels
+    Index num_left_out = 0;            ///< points that Robust Cocone finds inside the noise
     Index num_thinned = 0;             ///< points too near to others to be vertices as well
     Index num_unused = 0;              ///< points that are no vertex of the surface, thinned or not
     Index num_split_vertices = 0;      ///< copies made so that the surface is 2-manifold
@@ -54,7 +57,8 @@ struct ReconstructResult {
 
 /// Open: Cocone with boundary detection [Amenta02, Dey01], walked into oriented 2-manifold pieces
 /// with borders. Watertight: Tight Cocone [Dey03], split by index into a closed, oriented
-/// 2-manifold with positive volume. Coplanar clouds give a flat open mesh. Deterministic for any
+/// 2-manifold with positive volume; Robust Cocone [Dey06] does so over the outer points of noise
+/// only. Coplanar clouds give a flat open mesh. Deterministic for any
 /// number of threads and any order of the points. Near linear time, about 1.2 kB per point. Throws
 /// Error{kDegenerate} for fewer than 3 distinct or for collinear points, and where the points span
 /// no surface of the kind that is asked for.

@@ -8,6 +8,8 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "reconstruct/circumcenter.h"
+#include "reconstruct/spacing.h"
 
 namespace pointbake {
 namespace {
@@ -15,30 +17,7 @@ namespace {
 constexpr double kSinTheta = 0.38268343236508977;  // sin(pi/8): half opening of the co-cone
 constexpr double kRho = 1.0 / 1.2;                 // flat: co-cone radius <= rho * height
 constexpr double kCosAlpha = 0.5;  // flat: normals of co-cone neighbours within 60 degrees
-// Where rounding makes a cell's volume zero or negative: its share of the edges' product.
-constexpr double kFlatCell = 1e-17;
-// Spacing: distance to this Delaunay neighbour; high enough that points on scan lines count points
-// of the next line too, or nearly.
-constexpr std::size_t kSpacingRank = 6;
-// It grows from point to point by at most this share of their distance.
-constexpr double kSpacingSlope = 0.1;
 constexpr std::size_t kGrain = 1U << 11;
-
-// Circumcentre of a cell = its first vertex + num / den, den > 0.
-struct Circumcenter {
-    Vec3d num;
-    double den;
-};
-
-Circumcenter circumcenter(const Tetrahedra& tets, Index cell) {
-    const auto& v = tets.cells[cell];
-    const Vec3d o = tets.points[v[0]];
-    const Vec3d a = tets.points[v[1]] - o, b = tets.points[v[2]] - o, c = tets.points[v[3]] - o;
-    const Vec3d bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
-    const double aa = squared_length(a), bb = squared_length(b), cc = squared_length(c);
-    const double den = 2.0 * dot(a, bc);
-    return {bc * aa + ca * bb + ab * cc, den > 0 ? den : kFlatCell * std::sqrt(aa * bb * cc)};
-}
 
 // A Voronoi vertex seen from a sample: at sample + dir / den.
 struct Seen {
@@ -55,8 +34,7 @@ struct Builder {
     std::vector<std::int8_t> sides;  // per cell and vertex: where the Voronoi vertex lies for it
 
     Seen seen_from(Index cell, Vec3d p) const {
-        const Circumcenter& c = centers[cell];
-        return {c.num + (tets.points[tets.cells[cell][0]] - p) * c.den, c.den};
+        return {direction_to(tets, cell, centers[cell], p), centers[cell].den};
     }
 
     // -1, 0, +1: below, inside or above the co-cone of a sample with this normal.
@@ -133,30 +111,8 @@ struct Builder {
         ratio_holds[v] = radius2 <= kRho * kRho * height2 ? 1 : 0;
     }
 
-    // Keeps the nearest Delaunay neighbours seen so far in order; each is met in several cells.
-    void measure_spacing(Index v) {
-        std::array<std::pair<double, Index>, kSpacingRank> nearest;
-        std::size_t count = 0;
-        for (Index c : tets.star(v)) {
-            for (Index q : tets.cells[c]) {
-                if (q == v || tets.is_far(q)) continue;
-                const std::pair entry(squared_length(tets.points[q] - tets.points[v]), q);
-                const auto end = nearest.begin() + static_cast<std::ptrdiff_t>(count);
-                const auto place = std::lower_bound(nearest.begin(), end, entry);
-                if (place == nearest.end() || (place != end && *place == entry)) continue;
-                if (count < kSpacingRank) ++count;
-                std::copy_backward(place, nearest.begin() + static_cast<std::ptrdiff_t>(count) - 1,
-                                   nearest.begin() + static_cast<std::ptrdiff_t>(count));
-                *place = entry;
-            }
-        }
-        out.spacing[v] =
-            count == 0 ? 0.0F : static_cast<float>(std::sqrt(nearest[count - 1].first));
-    }
-
     void measure_vertices() {
         out.normals.resize(tets.num_real());
-        out.spacing.resize(tets.num_real());
         ratio_holds.resize(tets.num_real());
         sides.resize(tets.cells.size() * 4);
         parallel_for(context, tets.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -167,25 +123,6 @@ struct Builder {
                 for (std::size_t k = 0; k < star.size(); ++k)
                     sides[star[k] * 4 + tets.slot(star[k], v)] = side(seen[k], out.normals[v]);
                 measure_cocone(v, height2);
-                measure_spacing(v);
-            }
-        });
-    }
-
-    // A lone point has far neighbours; next to dense ones it counts as dense as well. Over a frozen
-    // copy.
-    void level_spacing() {
-        const std::vector<float> measured = out.spacing;
-        parallel_for(context, tets.num_real(), kGrain, [&](std::size_t begin, std::size_t end) {
-            for (Index v = static_cast<Index>(begin); v < end; ++v) {
-                for (Index c : tets.star(v)) {
-                    for (Index q : tets.cells[c]) {
-                        if (tets.is_far(q) || measured[q] >= out.spacing[v]) continue;
-                        const double reach =
-                            measured[q] + kSpacingSlope * length(tets.points[q] - tets.points[v]);
-                        out.spacing[v] = std::min(out.spacing[v], static_cast<float>(reach));
-                    }
-                }
             }
         });
     }
@@ -286,7 +223,7 @@ Cocone find_cocone(const Tetrahedra& tets, const Context& context) {
     Builder builder{tets, context, {}, {}, {}, {}};
     builder.compute_centers();
     builder.measure_vertices();
-    builder.level_spacing();
+    builder.out.spacing = local_spacing(tets, context);
     builder.find_flat();
     builder.judge_facets();
     return std::move(builder.out);

@@ -14,7 +14,7 @@ namespace pointbake {
 namespace {
 
 // Largest circumradius of an added facet in spacings.
-constexpr double kReach = 1.5;
+constexpr double kReach = 1.2;
 // Facets that continue the surface within 30 degrees come first, the smallest first; then those
 // that bend less, up to 75 degrees.
 constexpr double kSmoothCos = 0.8660254037844386, kLeastCos = 0.25881904510252074;

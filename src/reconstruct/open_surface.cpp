@@ -16,7 +16,7 @@ namespace {
 
 // Largest circumradius of a facet in spacings: wider ones span holes. Facets without a flat point
 // have less to show for themselves.
-constexpr double kReach = 3.0, kAgreedReach = 1.5;
+constexpr double kReach = 3.0, kAgreedReach = 1.2;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -27,6 +27,7 @@ class Walker {
     Walker(const Tetrahedra& tets, const Cocone& cocone, const Context& context)
         : tets_(tets),
           spacing_(cocone.spacing),
+          normals_(cocone.normals),
           context_(context),
           state_(tets.cells.size() * 4, kNone) {
         parallel_for(context, state_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -72,8 +73,10 @@ class Walker {
     }
 
     // Marks the facets that hang over at v: those that are left over when facets with a free edge
-    // at v are taken away one after the other, and a closed umbrella remains.
-    void find_hanging(Index v, std::vector<Spoke>& spokes, std::vector<HalfFacet>& hanging) const {
+    // at v are taken away one after the other, and a closed umbrella remains, which goes around v
+    // if that is asked for.
+    void find_hanging(Index v, bool is_strict, std::vector<Spoke>& spokes,
+                      std::vector<HalfFacet>& hanging) const {
         spokes.clear();
         for (Index c : tets_.star(v)) {
             for (Index i = 0; i < 4; ++i) {
@@ -95,9 +98,22 @@ class Walker {
                 changed = true;
             }
         }
-        if (num_alive == 0) return;
+        if (num_alive == 0 || (is_strict && !is_around(v, spokes))) return;
         for (const Spoke& s : spokes)
             if (!s.alive) hanging.push_back(s.facet);
+    }
+
+    // Whether the living facets go around v: seen along its normal, no half plane holds them all.
+    // Those of a sliver with v at its rim do not.
+    bool is_around(Index v, const std::vector<Spoke>& spokes) const {
+        const Vec3d p = tets_.points[v], normal = normals_[v];
+        return std::all_of(spokes.begin(), spokes.end(), [&](const Spoke& s) {
+            const Vec3d left = cross(normal, tets_.points[s.from] - p);
+            return !s.alive || std::any_of(spokes.begin(), spokes.end(), [&](const Spoke& other) {
+                return other.alive && (dot(left, tets_.points[other.from] - p) > 0 ||
+                                       dot(left, tets_.points[other.to] - p) > 0);
+            });
+        });
     }
 
     static bool has_other(const std::vector<Spoke>& spokes, const Spoke& own, Index end) {
@@ -106,16 +122,18 @@ class Walker {
         });
     }
 
-    // Only points at a facet that went can have new hanging ones.
+    // Only points at a facet that went can have new hanging ones. From the second round on the
+    // umbrella must go around its point: a disc that has a gap since the round before must not give
+    // way to a sliver, or one gap after the other eats a noisy surface.
     void prune() {
         std::vector<Index> todo(tets_.num_real());
         std::iota(todo.begin(), todo.end(), Index{0});
-        while (!todo.empty()) {
+        for (int round = 0; !todo.empty(); ++round) {
             std::vector<std::vector<HalfFacet>> parts((todo.size() + kGrain - 1) / kGrain);
             parallel_for(context_, todo.size(), kGrain, [&](std::size_t begin, std::size_t end) {
                 std::vector<Spoke> spokes;
                 for (std::size_t k = begin; k < end; ++k)
-                    find_hanging(todo[k], spokes, parts[begin / kGrain]);
+                    find_hanging(todo[k], round > 0, spokes, parts[begin / kGrain]);
             });
             todo.clear();
             for (const auto& part : parts) {
@@ -237,6 +255,7 @@ class Walker {
 
     const Tetrahedra& tets_;
     std::span<const float> spacing_;
+    std::span<const Vec3d> normals_;
     const Context& context_;
     std::vector<std::uint8_t> state_;
     std::vector<Index> number_;

@@ -16,6 +16,8 @@
 #include "reconstruct/holes.h"
 #include "reconstruct/open_surface.h"
 #include "reconstruct/pieces.h"
+#include "reconstruct/robust_cocone.h"
+#include "reconstruct/spacing.h"
 #include "reconstruct/tetrahedra.h"
 #include "reconstruct/thin.h"
 #include "reconstruct/tight_cocone.h"
@@ -31,23 +33,26 @@ constexpr double kMaxLost = 0.05;
 // Points nearer to each other than this share of the spacing do not both become vertices.
 constexpr double kNearest = 0.5;
 
+bool is_closing(Method method) {
+    return method == Method::kTightCocone || method == Method::kRobustCocone;
+}
+
 void validate(const ReconstructOptions& options) {
     if (options.surface == Surface::kGiven)
         fail(ErrorCode::kInvalidOption,
              "surface 'given' takes the faces of the file: there is nothing to reconstruct; use "
              "auto, open or watertight");
-    if ((options.surface == Surface::kOpen && options.method == Method::kTightCocone) ||
+    if ((options.surface == Surface::kOpen && is_closing(options.method)) ||
         (options.surface == Surface::kWatertight && options.method == Method::kCocone))
         fail(ErrorCode::kInvalidOption,
              "method '{}' does not make a surface that is '{}': cocone is for open surfaces, "
-             "tight-cocone for watertight ones",
+             "tight-cocone and robust-cocone for watertight ones",
              to_word(options.method), to_word(options.surface));
 }
 
 Surface wanted_surface(const ReconstructOptions& options) {
     if (options.method == Method::kCocone) return Surface::kOpen;
-    if (options.method == Method::kTightCocone) return Surface::kWatertight;
-    return options.surface;
+    return is_closing(options.method) ? Surface::kWatertight : options.surface;
 }
 
 void check_positions(const PointCloud& cloud) {
@@ -126,8 +131,12 @@ Difference compare(const Tetrahedra& tets, const FacetSurface& open, const Facet
 
 class Stage {
  public:
-    Stage(const PointCloud& cloud, Surface wanted, const Context& context)
-        : cloud_(cloud), context_(context), wanted_(wanted), is_flat_(false) {}
+    Stage(const PointCloud& cloud, const ReconstructOptions& options, const Context& context)
+        : cloud_(cloud),
+          context_(context),
+          wanted_(wanted_surface(options)),
+          is_robust_(options.method == Method::kRobustCocone),
+          is_flat_(false) {}
 
     ReconstructResult run() {
         report_progress(context_, kStage, 0.0);
@@ -138,6 +147,8 @@ class Stage {
                  "the points lie in a plane, which no watertight surface can have; use --surface "
                  "open");
         tets_ = triangulate(is_flat_ ? project(cloud_.positions, frame) : cloud_.positions);
+        if (is_robust_) keep_outer_points();
+        report_progress(context_, kStage, 0.5);
         const Cocone cocone = find_cocone(tets_, context_);
         report_.num_flat = cocone.num_flat;
         report_progress(context_, kStage, 0.7);
@@ -160,8 +171,20 @@ class Stage {
         for (Index i : kept) some.push_back(points[i]);
         Tetrahedra tets = tetrahedralize(some, context_);
         for (Index& id : tets.point_ids) id = kept[id];
-        report_progress(context_, kStage, 0.5);
         return tets;
+    }
+
+    // Tetrahedralizes anew what lies on the outer side of the noise.
+    void keep_outer_points() {
+        report_progress(context_, kStage, 0.3);
+        const std::vector<Index> outer =
+            outer_points(tets_, local_spacing(tets_, context_), context_);
+        report_.num_left_out = tets_.num_real() - static_cast<Index>(outer.size());
+        std::vector<Vec3d> points;
+        for (Index v : outer) points.push_back(tets_.points[v]);
+        Tetrahedra rest = tetrahedralize(points, context_);
+        for (Index& id : rest.point_ids) id = tets_.point_ids[outer[id]];
+        tets_ = std::move(rest);
     }
 
     // Replaces the open surface by the closed one where that is wanted.
@@ -195,7 +218,10 @@ class Stage {
             fail(ErrorCode::kDegenerate,
                  "the points enclose nothing: no watertight surface; use --surface open");
         report_.surface = Surface::kWatertight;
-        report_.method = Method::kTightCocone;
+        report_.method = is_robust_ ? Method::kRobustCocone : Method::kTightCocone;
+        if (is_robust_)
+            report_.reason += fmt::format("; {} points on the inner side of the noise are left out",
+                                          report_.num_left_out);
         surface = std::move(closed);
     }
 
@@ -262,7 +288,7 @@ class Stage {
     const PointCloud& cloud_;
     const Context& context_;
     Surface wanted_;
-    bool is_flat_;
+    bool is_robust_, is_flat_;
     Tetrahedra tets_;
     ReconstructReport report_;
 };
@@ -273,7 +299,7 @@ ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions&
                               const Context& context) {
     validate(options);
     check_positions(cloud);
-    return Stage(cloud, wanted_surface(options), context).run();
+    return Stage(cloud, options, context).run();
 }
 
 }  // namespace pointbake

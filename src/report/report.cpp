@@ -61,6 +61,7 @@ Json to_json(const ReconstructReport& r) {
             {"poor_points", r.num_poor},
             {"label_conflicts", r.num_conflicts},
             {"thinned_points", r.num_thinned},
+            {"left_out_points", r.num_left_out},
             {"unused_points", r.num_unused},
             {"split_vertices", r.num_split_vertices},
             {"added_area_fraction", r.added_area_fraction}};
