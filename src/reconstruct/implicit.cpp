@@ -1,0 +1,159 @@
+// After [Hoppe92]; what each step departs in is said in the files that it is in.
+#include "reconstruct/implicit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/parallel.h"
+#include "reconstruct/contour.h"
+#include "reconstruct/field_grid.h"
+#include "reconstruct/harmonic.h"
+#include "reconstruct/signed_distance.h"
+#include "reconstruct/surface_parts.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::size_t kGrain = 512;
+
+// Where the density falls below this there is no surface: a third of a spacing beyond a straight
+// border. Lower than a half, so that chance makes no holes in random samples.
+constexpr float kLeastDensity = 0.4F;
+// Height above the surface, in spacings, up to which the field's sign is trusted. Farther up
+// another sheet may be as near.
+constexpr float kTrustedHeight = 2.0F;
+// A root is one if the field is that small there, in spacings; elsewhere its sign jumps, half way
+// between two sheets that face the same way.
+constexpr float kRootTolerance = 0.25F;
+// The search for a root ends here.
+constexpr float kGoodRoot = 0.005F;
+constexpr int kRootSteps = 3;
+
+/// Mesh vertices with what the field says there.
+struct Vertices {
+    std::vector<Vec3d> positions;
+    std::vector<FieldSample> samples;
+};
+
+bool is_root(const FieldSample& s) {
+    return s.is_known && std::abs(s.value) <= kRootTolerance * s.spacing;
+}
+
+bool is_trusted(const FieldSample& s, double noise) {
+    return s.is_known && s.density >= kLeastDensity &&
+           std::abs(s.value) <= (kTrustedHeight + static_cast<float>(noise)) * s.spacing;
+}
+
+class ImplicitSurface {
+ public:
+    ImplicitSurface(const SignedDistance& field, bool is_closed, const Context& context)
+        : field_(field),
+          is_closed_(is_closed),
+          context_(context),
+          sampled_(sample_adaptively(field, context)) {}
+
+    Mesh run() {
+        assign_values();
+        const Contour contour = find_contour(sampled_.grid, values_, is_trusted_, context_);
+        const Vertices vertices = place_vertices(contour);
+        Mesh mesh;
+        mesh.positions = vertices.positions;
+        mesh.triangles = contour.triangles;
+        std::vector<float> support(mesh.positions.size());
+        for (std::size_t i = 0; i < support.size(); ++i) {
+            const FieldSample& s = vertices.samples[i];
+            support[i] = is_root(s) ? s.density - kLeastDensity : -kLeastDensity;
+        }
+        return is_closed_ ? keep_supported_pieces(std::move(mesh), support) : trim(mesh, support);
+    }
+
+ private:
+    /// Values per node: the field's, and between them a harmonic function if the surface is closed.
+    void assign_values() {
+        const SimplexGrid& grid = sampled_.grid;
+        values_.assign(grid.num_nodes(), std::numeric_limits<float>::quiet_NaN());
+        is_trusted_.assign(grid.num_nodes(), 0);
+        for (Index i = 0; i < grid.num_nodes(); ++i) {
+            const FieldSample& s = sampled_.samples[i];
+            is_trusted_[i] = is_trusted(s, field_.noise());
+            if (s.is_known && (is_trusted_[i] || !is_closed_)) values_[i] = s.value / s.spacing;
+        }
+        if (!is_closed_) return;
+        std::vector<std::uint8_t> is_given = is_trusted_;
+        for (Index i = 0; i < grid.num_nodes(); ++i) {
+            if (grid.is_on_boundary(i)) values_[i] = 1.0F, is_given[i] = 1;
+            // Only the side counts: near the points the function is as steep on both.
+            if (is_given[i]) values_[i] = std::clamp(values_[i], -1.0F, 1.0F);
+        }
+        fill_harmonic_in_place(grid, is_given, values_, context_);
+    }
+
+    Vertices place_vertices(const Contour& contour) const {
+        Vertices out;
+        out.positions.resize(contour.vertices.size());
+        out.samples.resize(contour.vertices.size());
+        parallel_for(context_, contour.vertices.size(), kGrain,
+                     [&](std::size_t begin, std::size_t end) {
+                         for (std::size_t i = begin; i < end; ++i) {
+                             const ContourVertex& v = contour.vertices[i];
+                             std::tie(out.positions[i], out.samples[i]) =
+                                 v.is_snapped() ? project(v.outside) : find_root(v);
+                         }
+                     });
+        return out;
+    }
+
+    /// From a grid vertex down along the normal.
+    std::pair<Vec3d, FieldSample> project(Index node) const {
+        Vec3d place = sampled_.grid.place(node);
+        FieldSample s = sampled_.samples[node];
+        for (int step = 0; step < kRootSteps; ++step) {
+            place -= vec_cast<double>(s.normal * s.value);
+            s = field_.at(place);
+            if (!s.is_known || std::abs(s.value) <= kGoodRoot * s.spacing) break;
+        }
+        return {place, s};
+    }
+
+    /// On the edge, by regula falsi; one step where the field is not trusted at both ends.
+    std::pair<Vec3d, FieldSample> find_root(const ContourVertex& v) const {
+        const Vec3d a = sampled_.grid.place(v.outside), b = sampled_.grid.place(v.inside);
+        double low = 0.0, high = 1.0, at_low = values_[v.outside], at_high = values_[v.inside];
+        const bool has_field = is_trusted_[v.outside] && is_trusted_[v.inside];
+        if (has_field) {
+            at_low = sampled_.samples[v.outside].value;
+            at_high = sampled_.samples[v.inside].value;
+        }
+        for (int step = 1;; ++step) {
+            const double t = low + (high - low) * (at_low / (at_low - at_high));
+            const Vec3d place = a + (b - a) * t;
+            const FieldSample s = field_.at(place);
+            if (!has_field || !s.is_known || step == kRootSteps ||
+                std::abs(s.value) <= kGoodRoot * s.spacing)
+                return {place, s};
+            (s.value < 0.0F ? high : low) = t;
+            (s.value < 0.0F ? at_high : at_low) = s.value;
+        }
+    }
+
+    const SignedDistance& field_;
+    bool is_closed_;
+    const Context& context_;
+    FieldGrid sampled_;
+    std::vector<float> values_;
+    std::vector<std::uint8_t> is_trusted_;
+};
+
+}  // namespace
+
+Mesh implicit_surface(const ImplicitInput& input, bool is_closed, const Context& context) {
+    const SignedDistance field(input.points, input.normals, input.spacing, input.noise, context);
+    if (field.size() == 0) return {};
+    return ImplicitSurface(field, is_closed, context).run();
+}
+
+}  // namespace pointbake
