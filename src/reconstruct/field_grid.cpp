@@ -12,7 +12,7 @@ constexpr std::size_t kGrain = 512;
 
 // Longest edges of the tetrahedra at the surface, in spacings: shorter ones are not split, longer
 // ones always.
-constexpr double kFinest = 1.5, kCoarsest = 6.0;
+constexpr double kFinest = 1.5, kCoarsest = 4.0;
 // By how much the field may depart from a linear one along an edge, in spacings. Without noise, and
 // per noise.
 constexpr double kTolerance = 0.02, kTolerancePerNoise = 0.05;
@@ -36,8 +36,8 @@ SimplexGrid make_grid(const SignedDistance& field) {
     return SimplexGrid(corner, size, num_cubes);
 }
 
-/// How far the field departs from a linear one along the node's edge: half the second difference of
-/// its values there, or what the turn of the normals amounts to.
+/// How far the field departs from a linear one along an edge: half the second difference of its
+/// values there, or what the turn of the normals amounts to.
 double bending(const FieldSample& middle, const FieldSample& a, const FieldSample& b,
                double edge_length) {
     const double surplus = std::abs(middle.value - 0.5F * (a.value + b.value));
@@ -55,49 +55,91 @@ class Refiner {
           tolerance_(kTolerance + kTolerancePerNoise * field.noise()),
           result_{make_grid(field), {}} {}
 
-    /// Rounds of: sample new nodes, split those that need it.
+    /// Rounds of: sample new vertices, find candidates around them, split those that need it.
     FieldGrid run() {
-        for (Index begin = 0; begin < result_.grid.num_nodes();) {
-            const Index end = result_.grid.num_nodes();
-            sample(begin, end);
-            const std::vector<std::uint8_t> wants = find_wants(begin, end);
-            for (Index node = begin; node < end; ++node)
-                if (wants[node - begin]) result_.grid.split(node);
-            begin = end;
+        SimplexGrid& grid = result_.grid;
+        for (std::size_t done = 0; done < grid.vertices().size();) {
+            const std::size_t end = grid.vertices().size();
+            sample_new_nodes();
+            const Index first = grid.num_nodes();
+            for (const Point& p : find_candidates(done, end)) grid.add(p);
+            sample_new_nodes();
+            const std::vector<std::uint8_t> wants = find_wants(first);
+            for (std::size_t i = 0; i < wants.size(); ++i)
+                if (wants[i]) grid.split(first + static_cast<Index>(i));
+            done = end;
         }
         return std::move(result_);
     }
 
  private:
-    void sample(Index begin, Index end) {
-        result_.samples.resize(end);
-        parallel_for(context_, end - begin, kGrain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = begin + first; i < begin + last; ++i)
-                result_.samples[i] = field_.at(result_.grid.place(static_cast<Index>(i)));
-        });
+    using Point = SimplexGrid::Point;
+
+    void sample_new_nodes() {
+        const std::size_t first = result_.samples.size();
+        result_.samples.resize(result_.grid.num_nodes());
+        parallel_for(context_, result_.samples.size() - first, kGrain,
+                     [&](std::size_t begin, std::size_t end) {
+                         for (std::size_t i = first + begin; i < first + end; ++i)
+                             result_.samples[i] =
+                                 field_.at(result_.grid.place(static_cast<Index>(i)));
+                     });
     }
 
-    std::vector<std::uint8_t> find_wants(Index begin, Index end) const {
-        std::vector<std::uint8_t> wants(end - begin);
-        parallel_for(context_, end - begin, kGrain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                wants[i] = wants_split(begin + static_cast<Index>(i));
+    /// Around the vertices from `begin` to `end`, in the order in which they came.
+    std::vector<Point> find_candidates(std::size_t begin, std::size_t end) const {
+        const SimplexGrid& grid = result_.grid;
+        const auto in_range = [&](std::size_t first, std::size_t last) {
+            std::vector<Point> found;
+            for (std::size_t i = begin + first; i < begin + last; ++i)
+                grid.for_each_child(grid.vertices()[i], [&](const Point& p) {
+                    if (grid.find(p) == kInvalidIndex && may_want_split(p)) found.push_back(p);
+                });
+            return found;
+        };
+        const auto append = [](std::vector<Point> a, const std::vector<Point>& b) {
+            a.insert(a.end(), b.begin(), b.end());
+            return a;
+        };
+        return parallel_reduce(context_, end - begin, kGrain, std::vector<Point>{}, in_range,
+                               append);
+    }
+
+    /// False where the ends of the edge tell already that it is short enough, or that the surface
+    /// passes elsewhere: most samples are saved so.
+    bool may_want_split(const Point& p) const {
+        const auto [a, b] = result_.grid.edge(p);
+        const FieldSample &at_a = result_.samples[a], &at_b = result_.samples[b];
+        if (!at_a.is_known || !at_b.is_known) return true;
+        const double edge_length = result_.grid.edge_length(p);
+        const double spacing = std::min(at_a.spacing, at_b.spacing);
+        if (edge_length <= kFinest * spacing) return false;
+        const double height = std::max(std::abs(at_a.value), std::abs(at_b.value));
+        return edge_length > kCoarsest * spacing ||
+               height - 0.5 * edge_length <= result_.grid.reach(p);
+    }
+
+    std::vector<std::uint8_t> find_wants(Index first) const {
+        std::vector<std::uint8_t> wants(result_.grid.num_nodes() - first);
+        parallel_for(context_, wants.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                wants[i] = wants_split(first + static_cast<Index>(i));
         });
         return wants;
     }
 
     bool wants_split(Index node) const {
         const SimplexGrid& grid = result_.grid;
-        if (grid.is_vertex(node)) return false;
         const FieldSample& s = result_.samples[node];
-        const double edge_length = grid.edge_length(node), reach = grid.reach(node);
-        if (!s.is_known) return field_.has_point_within(grid.place(node), reach);
+        const Point& p = grid.point(node);
+        const double edge_length = grid.edge_length(p), reach = grid.reach(p);
+        if (!s.is_known) return field_.has_point_within(grid.place(p), reach);
         if (edge_length <= kFinest * s.spacing) return false;
         if (edge_length > kCoarsest * s.spacing)
-            return field_.has_point_within(grid.place(node), reach + s.spacing);
+            return field_.has_point_within(grid.place(p), reach + s.spacing);
         if (std::abs(s.value) > reach || s.density < kLeastDensity) return false;
         if (s.is_bent) return true;
-        const auto [a, b] = grid.edge(node);
+        const auto [a, b] = grid.edge(p);
         const FieldSample &at_a = result_.samples[a], &at_b = result_.samples[b];
         if (!at_a.is_known || !at_b.is_known) return true;
         return bending(s, at_a, at_b, edge_length) > tolerance_ * s.spacing;

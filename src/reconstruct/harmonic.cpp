@@ -140,7 +140,7 @@ class Solver {
         parents_.assign(size(), {kInvalidIndex, kInvalidIndex});
         for (std::size_t i = 0; i < size(); ++i) {
             if (grid_.is_corner(nodes_[i])) continue;
-            const auto [a, b] = grid_.edge(nodes_[i]);
+            const auto [a, b] = grid_.edge(grid_.point(nodes_[i]));
             parents_[i] = {row_[a], row_[b]};
         }
     }
@@ -152,7 +152,7 @@ class Solver {
             float& value = values[nodes_[i]];
             value = 0.0F;
             if (!grid_.is_corner(nodes_[i])) {
-                const auto [a, b] = grid_.edge(nodes_[i]);
+                const auto [a, b] = grid_.edge(grid_.point(nodes_[i]));
                 value = 0.5F * (values[a] + values[b]);
             }
             x_[i] = value;

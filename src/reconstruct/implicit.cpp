@@ -25,7 +25,7 @@ constexpr std::size_t kGrain = 512;
 constexpr float kLeastDensity = 0.4F;
 // Height above the surface, in spacings, up to which the field's sign is trusted. Farther up
 // another sheet may be as near.
-constexpr float kTrustedHeight = 2.0F;
+constexpr float kTrustedHeight = 3.0F;
 // A root is one if the field is that small there, in spacings; elsewhere its sign jumps, half way
 // between two sheets that face the same way.
 constexpr float kRootTolerance = 0.25F;
@@ -119,11 +119,11 @@ class ImplicitSurface {
         return {place, s};
     }
 
-    /// On the edge, by regula falsi; one step where the field is not trusted at both ends.
+    /// On the edge, by regula falsi; one step where the field does not say what the values do.
     std::pair<Vec3d, FieldSample> find_root(const ContourVertex& v) const {
         const Vec3d a = sampled_.grid.place(v.outside), b = sampled_.grid.place(v.inside);
         double low = 0.0, high = 1.0, at_low = values_[v.outside], at_high = values_[v.inside];
-        const bool has_field = is_trusted_[v.outside] && is_trusted_[v.inside];
+        const bool has_field = agrees(v.outside) && agrees(v.inside);
         if (has_field) {
             at_low = sampled_.samples[v.outside].value;
             at_high = sampled_.samples[v.inside].value;
@@ -138,6 +138,12 @@ class ImplicitSurface {
             (s.value < 0.0F ? high : low) = t;
             (s.value < 0.0F ? at_high : at_low) = s.value;
         }
+    }
+
+    /// Whether the field has the sign of the value.
+    bool agrees(Index node) const {
+        const FieldSample& s = sampled_.samples[node];
+        return s.is_known && (s.value < 0.0F) == (values_[node] < 0.0F);
     }
 
     const SignedDistance& field_;

@@ -10,42 +10,22 @@
 namespace pointbake {
 namespace {
 
-constexpr std::int32_t kCubeUnits = 1 << SimplexGrid::kDepth;
 constexpr std::size_t kFirstTable = 1U << 12;
 // Enough parts for the threads, few enough that each is worth a thread's while.
 constexpr std::size_t kSubtrees = 2048;
 
-std::uint64_t hash_of(const SimplexGrid::Point& p) {
-    const auto bits = [](std::int32_t v) { return static_cast<std::uint64_t>(v); };
-    return hash64(bits(p[0]) | bits(p[1]) << 21 | bits(p[2]) << 42);
-}
-
-SimplexGrid::Point moved(SimplexGrid::Point p, std::size_t axis, std::int32_t by) {
-    p[axis] += by;
-    return p;
-}
-
 }  // namespace
 
 SimplexGrid::SimplexGrid(Vec3d corner, double cube_size, std::array<int, 3> num_cubes)
-    : corner_(corner),
-      unit_(cube_size / kCubeUnits),
-      num_cubes_(num_cubes),
-      table_(kFirstTable, kInvalidIndex) {
+    : corner_(corner), unit_(cube_size / kCubeUnits), num_cubes_(num_cubes), table_(kFirstTable) {
     for (int z = 0; z <= num_cubes[2]; ++z)
         for (int y = 0; y <= num_cubes[1]; ++y)
             for (int x = 0; x <= num_cubes[0]; ++x)
-                is_vertex_[find_or_add({x * kCubeUnits, y * kCubeUnits, z * kCubeUnits})] = 1;
+                split(add({x * kCubeUnits, y * kCubeUnits, z * kCubeUnits}));
     num_corners_ = num_nodes();
-    for (int z = 0; z < num_cubes[2]; ++z)
-        for (int y = 0; y < num_cubes[1]; ++y)
-            for (int x = 0; x < num_cubes[0]; ++x)
-                find_or_add({x * kCubeUnits + kCubeUnits / 2, y * kCubeUnits + kCubeUnits / 2,
-                             z * kCubeUnits + kCubeUnits / 2});
 }
 
-Vec3d SimplexGrid::place(Index node) const {
-    const Point& p = points_[node];
+Vec3d SimplexGrid::place(const Point& p) const {
     return {corner_.x + unit_ * p[0], corner_.y + unit_ * p[1], corner_.z + unit_ * p[2]};
 }
 
@@ -66,20 +46,21 @@ SimplexGrid::Shape SimplexGrid::shape(const Point& p) {
     const auto all = static_cast<std::uint32_t>(p[0] | p[1] | p[2]);
     const std::int32_t half = std::int32_t{1} << std::countr_zero(all);
     std::size_t num_odd = 0, odd = 0, even = 0;
-    for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < 3; ++k) {
         if (p[k] & half) {
             ++num_odd;
             odd = k;
         } else {
             even = k;
         }
+    }
     if (num_odd == 3) return {kCube, half, 0};
     return num_odd == 2 ? Shape{kFace, half, even} : Shape{kEdge, half, odd};
 }
 
 /// The diagonal of a cube (face) runs from its corner with even coordinates, counted in its own
 /// edge length, to that with odd ones.
-SimplexGrid::Point SimplexGrid::edge_end(const Point& p, bool is_odd) const {
+SimplexGrid::Point SimplexGrid::edge_end(const Point& p, bool is_odd) {
     const Shape s = shape(p);
     if (s.kind == kEdge) return moved(p, s.axis, is_odd ? s.half : -s.half);
     Point end = p;
@@ -92,18 +73,18 @@ SimplexGrid::Point SimplexGrid::edge_end(const Point& p, bool is_odd) const {
     return end;
 }
 
-std::array<Index, 2> SimplexGrid::edge(Index node) const {
-    return {find(edge_end(points_[node], false)), find(edge_end(points_[node], true))};
+std::array<Index, 2> SimplexGrid::edge(const Point& p) const {
+    return {find(edge_end(p, false)), find(edge_end(p, true))};
 }
 
-double SimplexGrid::edge_length(Index node) const {
-    const Shape s = shape(points_[node]);
+double SimplexGrid::edge_length(const Point& p) const {
+    const Shape s = shape(p);
     constexpr std::array<double, 3> kLengths{1.7320508075688772, 1.4142135623730951, 1.0};
     return kLengths[s.kind] * 2.0 * s.half * unit_;
 }
 
-double SimplexGrid::reach(Index node) const {
-    const Shape s = shape(points_[node]);
+double SimplexGrid::reach(const Point& p) const {
+    const Shape s = shape(p);
     // To the corners of the cube, of the face; from an edge to the middles of the cubes around it.
     constexpr std::array<double, 3> kRadii{0.8660254037844386, 0.7071067811865476,
                                            0.7071067811865476};
@@ -116,47 +97,23 @@ int SimplexGrid::level(Index node) const {
     return 3 * (kDepth - 1 - std::countr_zero(static_cast<std::uint32_t>(s.half))) + s.kind + 1;
 }
 
-/// Nodes that must be vertices before all tetrahedra around this node's edge exist.
+/// Nodes that must be vertices before all tetrahedra around this point's edge exist.
 template <class Visit>
 void SimplexGrid::for_each_parent(const Point& p, Visit&& visit) const {
     const Shape s = shape(p);
     const auto visit_inside = [&](const Point& q) {
         if (is_inside(q)) visit(q);
     };
-    if (s.kind == kFace) {
-        for (const int side : {-1, 1}) visit_inside(moved(p, s.axis, side * s.half));
-    } else if (s.kind == kEdge) {
-        for (const std::size_t turn : {1U, 2U})
-            for (const int side : {-1, 1})
-                visit_inside(moved(p, (s.axis + turn) % 3, side * s.half));
-    } else if (2 * s.half < kCubeUnits) {
+    if (s.kind == kCube) {
+        if (2 * s.half == kCubeUnits) return;
         const Point even = edge_end(p, false);
         for (std::size_t k = 0; k < 3; ++k) visit(moved(even, k, 2 * (p[k] - even[k])));
+        return;
     }
-}
-
-/// The inverse of the above.
-template <class Visit>
-void SimplexGrid::for_each_child(const Point& p, Visit&& visit) const {
-    const Shape s = shape(p);
-    const auto visit_inside = [&](const Point& q) {
-        if (is_inside(q)) visit(q);
-    };
-    if (s.kind == kCube) {
-        for (std::size_t k = 0; k < 3; ++k)
-            for (const int side : {-1, 1}) visit_inside(moved(p, k, side * s.half));
-    } else if (s.kind == kFace) {
-        for (const std::size_t turn : {1U, 2U})
-            for (const int side : {-1, 1})
-                visit_inside(moved(p, (s.axis + turn) % 3, side * s.half));
-    } else if (s.half > 1) {
-        const std::int32_t quarter = s.half / 2;
-        for (int octant = 0; octant < 8; ++octant) {
-            Point q = p;
-            for (int k = 0; k < 3; ++k)
-                q[static_cast<std::size_t>(k)] += (octant >> k) & 1 ? quarter : -quarter;
-            visit_inside(q);
-        }
+    for (std::size_t k = 0; k < 3; ++k) {
+        if ((s.kind == kFace) != (k == s.axis)) continue;
+        visit_inside(moved(p, k, -s.half));
+        visit_inside(moved(p, k, s.half));
     }
 }
 
@@ -167,30 +124,31 @@ void SimplexGrid::split(Index node) {
         pending.pop_back();
         if (is_vertex_[n]) continue;
         is_vertex_[n] = 1;
+        vertices_.push_back(n);
+        const bool has_parents = num_corners_ > 0;  // corners are the first to be made
+        if (!has_parents) continue;
         const Point p = points_[n];
         for_each_parent(p, [&](const Point& q) {
-            const Index parent = find_or_add(q);
+            const Index parent = add(q);
             if (!is_vertex_[parent]) pending.push_back(parent);
         });
-        for_each_child(p, [&](const Point& q) { find_or_add(q); });
     }
 }
 
-Index SimplexGrid::find(const Point& p) const {
+/// Where a key is or would be.
+std::size_t SimplexGrid::slot_of(std::uint64_t key) const {
     const std::size_t mask = table_.size() - 1;
-    for (std::size_t i = hash_of(p) & mask;; i = (i + 1) & mask)
-        if (table_[i] == kInvalidIndex || points_[table_[i]] == p) return table_[i];
+    std::size_t i = hash64(key) & mask;
+    while (table_[i].node != kInvalidIndex && table_[i].key != key) i = (i + 1) & mask;
+    return i;
 }
 
-Index SimplexGrid::find_or_add(const Point& p) {
-    const std::size_t mask = table_.size() - 1;
-    std::size_t i = hash_of(p) & mask;
-    while (table_[i] != kInvalidIndex) {
-        if (points_[table_[i]] == p) return table_[i];
-        i = (i + 1) & mask;
-    }
+Index SimplexGrid::add(const Point& p) {
+    const std::uint64_t key = key_of(p);
+    Slot& slot = table_[slot_of(key)];
+    if (slot.node != kInvalidIndex) return slot.node;
     const Index node = num_nodes();
-    table_[i] = node;
+    slot = {key, node};
     points_.push_back(p);
     is_vertex_.push_back(0);
     if (points_.size() * 2 > table_.size()) grow_table();
@@ -198,13 +156,9 @@ Index SimplexGrid::find_or_add(const Point& p) {
 }
 
 void SimplexGrid::grow_table() {
-    table_.assign(2 * table_.size(), kInvalidIndex);
-    const std::size_t mask = table_.size() - 1;
-    for (Index node = 0; node < num_nodes(); ++node) {
-        std::size_t i = hash_of(points_[node]) & mask;
-        while (table_[i] != kInvalidIndex) i = (i + 1) & mask;
-        table_[i] = node;
-    }
+    const std::vector<Slot> old = std::exchange(table_, std::vector<Slot>(2 * table_.size()));
+    for (const Slot& slot : old)
+        if (slot.node != kInvalidIndex) table_[slot_of(slot.key)] = slot;
 }
 
 /// The vertex that splits a tetrahedron, kInvalidIndex if it is a leaf.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,37 +21,49 @@ class SimplexGrid {
  public:
     using Point = std::array<std::int32_t, 3>;  ///< in units above the corner
 
-    /// `num_cubes` cubes of edge `cube_size` from `corner` on, at most 2^(20 - kDepth) a side.
+    /// `num_cubes` cubes of edge `cube_size` from `corner` on, at most 7 a side.
     SimplexGrid(Vec3d corner, double cube_size, std::array<int, 3> num_cubes);
 
-    static constexpr int kDepth = 17;  ///< a cube's edge is 2^kDepth units long
+    static constexpr int kDepth = 17;
+    static constexpr std::int32_t kCubeUnits = 1 << kDepth;  ///< a cube's edge
 
-    /// Vertices and candidates for vertices; numbered as they came.
+    /// Vertices, and candidates for vertices; numbered as they came. The cubes' corners come first.
     Index num_nodes() const { return static_cast<Index>(points_.size()); }
-    bool is_vertex(Index node) const { return is_vertex_[node] != 0; }
-    const Point& point(Index node) const { return points_[node]; }
-    Vec3d place(Index node) const;
-    bool is_on_boundary(Index node) const;
     bool is_corner(Index node) const { return node < num_corners_; }
+    bool is_vertex(Index node) const { return is_vertex_[node] != 0; }
+    /// In the order in which they became vertices.
+    std::span<const Index> vertices() const { return vertices_; }
+    const Point& point(Index node) const { return points_[node]; }
+    Vec3d place(const Point& point) const;
+    Vec3d place(Index node) const { return place(points_[node]); }
+    bool is_on_boundary(Index node) const;
 
-    // Of nodes that are no corner of a cube:
-    std::array<Index, 2> edge(Index node) const;  ///< whose midpoint it is; vertices
-    double edge_length(Index node) const;
-    /// Radius of the ball around the node that holds the tetrahedra around its edge.
-    double reach(Index node) const;
+    // Of points that are no corner of a cube:
+    /// The ends of the edge whose midpoint it is; kInvalidIndex where they are no nodes.
+    std::array<Index, 2> edge(const Point& point) const;
+    double edge_length(const Point& point) const;
+    /// Radius of the ball around the point that holds the tetrahedra around its edge.
+    double reach(const Point& point) const;
     int level(
         Index node) const;  ///< bisections from a cube to here; above those of the edge's ends
 
-    /// Makes a node a vertex, and those it needs. New nodes, vertices or candidates, come behind
-    /// the old ones.
+    /// The node at a point, kInvalidIndex if there is none.
+    Index find(const Point& point) const { return table_[slot_of(key_of(point))].node; }
+    /// A candidate, if the point is no node yet. Returns the node.
+    Index add(const Point& point);
+    /// Makes a node a vertex, and those it needs.
     void split(Index node);
+    /// Calls visit(point) for the midpoints of the edges that came with a vertex, nodes or not. The
+    /// ends of the edges are vertices.
+    template <class Visit>
+    void for_each_child(Index vertex, Visit&& visit) const;
 
     /// The tetrahedra of the grid for which keep(vertices) is true, in an order of their places;
     /// either orientation.
     template <class Keep>
     std::vector<std::array<Index, 4>> leaves(const Context& context, Keep&& keep) const;
     /// Six times the signed volume, in units; positive if (b - a) . ((c - a) x (d - a)) is.
-    std::int64_t orientation(const std::array<Index, 4>& t) const;
+    std::int64_t orientation(const std::array<Index, 4>& tetrahedron) const;
 
  private:
     enum Kind { kCube, kFace, kEdge };  ///< whose midpoint a node is: odd coordinates tell
@@ -63,18 +76,28 @@ class SimplexGrid {
         std::array<Index, 4> v;
         std::size_t tag;  ///< its longest edge is v[0] to v[tag]
     };
+    struct Slot {
+        std::uint64_t key = 0;  ///< of the node's point
+        Index node = kInvalidIndex;
+    };
+
     static Shape shape(const Point& p);
+    static Point edge_end(const Point& p, bool is_odd);
+    static std::pair<Tet, Tet> halves(const Tet& tet, Index middle);
+    static Point moved(Point p, std::size_t axis, std::int32_t by) {
+        p[axis] += by;
+        return p;
+    }
+    static std::uint64_t key_of(const Point& p) {
+        const auto bits = [](std::int32_t v) { return static_cast<std::uint64_t>(v); };
+        return bits(p[0]) | bits(p[1]) << 21 | bits(p[2]) << 42;
+    }
     bool is_inside(const Point& p) const;
-    Index find(const Point& p) const;
-    Index find_or_add(const Point& p);
+    std::size_t slot_of(std::uint64_t key) const;
     void grow_table();
     template <class Visit>
     void for_each_parent(const Point& p, Visit&& visit) const;
-    template <class Visit>
-    void for_each_child(const Point& p, Visit&& visit) const;
-    Point edge_end(const Point& p, bool is_odd) const;
     Index midpoint(const Tet& tet) const;
-    static std::pair<Tet, Tet> halves(const Tet& tet, Index middle);
     std::vector<Tet> subtrees() const;
     template <class Keep>
     void descend(const Tet& tet, Keep&& keep, std::vector<std::array<Index, 4>>& out) const;
@@ -85,8 +108,33 @@ class SimplexGrid {
     Index num_corners_ = 0;
     std::vector<Point> points_;
     std::vector<std::uint8_t> is_vertex_;
-    std::vector<Index> table_;  ///< nodes by hash, open addressing
+    std::vector<Index> vertices_;
+    std::vector<Slot> table_;  ///< nodes by hash, open addressing
 };
+
+template <class Visit>
+void SimplexGrid::for_each_child(Index vertex, Visit&& visit) const {
+    const Point p = points_[vertex];
+    const auto visit_inside = [&](const Point& q) {
+        if (is_inside(q)) visit(q);
+    };
+    const auto visit_octants = [&](std::int32_t by) {
+        for (const std::int32_t x : {-by, by})
+            for (const std::int32_t y : {-by, by})
+                for (const std::int32_t z : {-by, by}) visit_inside({p[0] + x, p[1] + y, p[2] + z});
+    };
+    if (is_corner(vertex)) return visit_octants(kCubeUnits / 2);
+    const Shape s = shape(p);
+    if (s.kind == kEdge) {
+        if (s.half > 1) visit_octants(s.half / 2);
+        return;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (s.kind == kFace && k == s.axis) continue;
+        visit_inside(moved(p, k, -s.half));
+        visit_inside(moved(p, k, s.half));
+    }
+}
 
 template <class Keep>
 void SimplexGrid::descend(const Tet& tet, Keep&& keep,
