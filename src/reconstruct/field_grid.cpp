@@ -78,12 +78,14 @@ class Refiner {
     void sample_new_nodes() {
         const std::size_t first = result_.samples.size();
         result_.samples.resize(result_.grid.num_nodes());
-        parallel_for(context_, result_.samples.size() - first, kGrain,
-                     [&](std::size_t begin, std::size_t end) {
-                         for (std::size_t i = first + begin; i < first + end; ++i)
-                             result_.samples[i] =
-                                 field_.at(result_.grid.place(static_cast<Index>(i)));
-                     });
+        const std::span fresh = std::span(result_.samples).subspan(first);
+        parallel_for(context_, fresh.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            std::vector<Vec3d> places;
+            for (std::size_t i = begin; i < end; ++i)
+                places.push_back(result_.grid.place(static_cast<Index>(first + i)));
+            std::ranges::copy(field_.at(places),
+                              fresh.begin() + static_cast<std::ptrdiff_t>(begin));
+        });
     }
 
     /// Around the vertices from `begin` to `end`, in the order in which they came.

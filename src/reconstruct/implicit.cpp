@@ -93,50 +93,80 @@ class ImplicitSurface {
     }
 
     Vertices place_vertices(const Contour& contour) const {
-        Vertices out;
-        out.positions.resize(contour.vertices.size());
-        out.samples.resize(contour.vertices.size());
-        parallel_for(context_, contour.vertices.size(), kGrain,
-                     [&](std::size_t begin, std::size_t end) {
-                         for (std::size_t i = begin; i < end; ++i) {
-                             const ContourVertex& v = contour.vertices[i];
-                             std::tie(out.positions[i], out.samples[i]) =
-                                 v.is_snapped() ? project(v.outside) : find_root(v);
-                         }
-                     });
+        const std::size_t count = contour.vertices.size();
+        Vertices out{std::vector<Vec3d>(count), std::vector<FieldSample>(count)};
+        parallel_for(context_, count, kGrain, [&](std::size_t begin, std::size_t end) {
+            std::vector<Search> searches;
+            for (std::size_t i = begin; i < end; ++i)
+                searches.push_back(start_search(contour.vertices[i]));
+            run_searches(searches);
+            for (std::size_t i = begin; i < end; ++i) {
+                out.positions[i] = searches[i - begin].place;
+                out.samples[i] = searches[i - begin].sample;
+            }
+        });
         return out;
     }
 
-    /// From a grid vertex down along the normal.
-    std::pair<Vec3d, FieldSample> project(Index node) const {
-        Vec3d place = sampled_.grid.place(node);
-        FieldSample s = sampled_.samples[node];
-        for (int step = 0; step < kRootSteps; ++step) {
-            place -= vec_cast<double>(s.normal * s.value);
-            s = field_.at(place);
-            if (!s.is_known || std::abs(s.value) <= kGoodRoot * s.spacing) break;
+    /// For the surface: along an edge by regula falsi, or from a grid vertex along the normal.
+    struct Search {
+        Vec3d outside, inside;  ///< the ends of what is left of the edge, if any
+        double at_outside = 0.0, at_inside = 0.0;
+        bool is_on_edge = true, is_done = false;
+        Vec3d place;
+        FieldSample sample;
+
+        void cut() {
+            place = outside + (inside - outside) * (at_outside / (at_outside - at_inside));
         }
-        return {place, s};
+        void step() {
+            if (!is_on_edge) {
+                place -= vec_cast<double>(sample.normal * sample.value);
+            } else {
+                (sample.value < 0.0F ? inside : outside) = place;
+                (sample.value < 0.0F ? at_inside : at_outside) = sample.value;
+                cut();
+            }
+        }
+    };
+
+    Search start_search(const ContourVertex& v) const {
+        Search s;
+        s.outside = sampled_.grid.place(v.outside);
+        s.inside = sampled_.grid.place(v.inside);
+        if (v.is_snapped()) {
+            s.is_on_edge = false;
+            s.place = s.outside;
+            s.sample = sampled_.samples[v.outside];
+            s.step();
+            return s;
+        }
+        s.at_outside = values_[v.outside];
+        s.at_inside = values_[v.inside];
+        s.is_done = !agrees(v.outside) || !agrees(v.inside);
+        if (!s.is_done) {
+            s.at_outside = sampled_.samples[v.outside].value;
+            s.at_inside = sampled_.samples[v.inside].value;
+        }
+        s.cut();
+        return s;
     }
 
-    /// On the edge, by regula falsi; one step where the field does not say what the values do.
-    std::pair<Vec3d, FieldSample> find_root(const ContourVertex& v) const {
-        const Vec3d a = sampled_.grid.place(v.outside), b = sampled_.grid.place(v.inside);
-        double low = 0.0, high = 1.0, at_low = values_[v.outside], at_high = values_[v.inside];
-        const bool has_field = agrees(v.outside) && agrees(v.inside);
-        if (has_field) {
-            at_low = sampled_.samples[v.outside].value;
-            at_high = sampled_.samples[v.inside].value;
-        }
-        for (int step = 1;; ++step) {
-            const double t = low + (high - low) * (at_low / (at_low - at_high));
-            const Vec3d place = a + (b - a) * t;
-            const FieldSample s = field_.at(place);
-            if (!has_field || !s.is_known || step == kRootSteps ||
-                std::abs(s.value) <= kGoodRoot * s.spacing)
-                return {place, s};
-            (s.value < 0.0F ? high : low) = t;
-            (s.value < 0.0F ? at_high : at_low) = s.value;
+    /// All at once: that is what the field is fast at. Those that were done at their start are only
+    /// sampled.
+    void run_searches(std::span<Search> searches) const {
+        std::vector<Search*> active;
+        for (Search& s : searches) active.push_back(&s);
+        for (int step = 1; !active.empty(); ++step) {
+            std::vector<Vec3d> places;
+            for (const Search* s : active) places.push_back(s->place);
+            const std::vector<FieldSample> samples = field_.at(places);
+            for (std::size_t i = 0; i < active.size(); ++i) active[i]->sample = samples[i];
+            std::erase_if(active, [&](const Search* s) {
+                return s->is_done || step == kRootSteps || !s->sample.is_known ||
+                       std::abs(s->sample.value) <= kGoodRoot * s->sample.spacing;
+            });
+            for (Search* s : active) s->step();
         }
     }
 

@@ -12,7 +12,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <tuple>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
@@ -38,14 +40,15 @@ float fourth(float v) { return square(square(v)); }
 // Weight for normals that agree: a half at 33 degrees, 0 from 90.
 float agreement(float cosine) { return cosine > 0.0F ? fourth(cosine) : 0.0F; }
 
-double squared_distance(const Box& box, Vec3d p) {
+double squared_distance(const Box& a, const Box& b) {
     double sum = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
-        const double outside = std::max({box.low[k] - p[k], p[k] - box.high[k], 0.0});
-        sum += outside * outside;
+        const double gap = std::max({a.low[k] - b.high[k], b.low[k] - a.high[k], 0.0});
+        sum += gap * gap;
     }
     return sum;
 }
+double squared_distance(const Box& box, Vec3d p) { return squared_distance(box, Box{p, p}); }
 
 // Spreads the lowest 21 bits to every third bit.
 std::uint64_t spread(std::uint64_t v) {
@@ -96,7 +99,7 @@ void SignedDistance::sort_points(const Context& context) {
     // A power of two, so that a larger box gives the same order.
     constexpr int kBits = 20;
     const double longest = std::max({extent.x, extent.y, extent.z, double{min_spacing_}});
-    const double cells_per_unit = std::ldexp(1.0, kBits - std::ilogb(longest) - 1);
+    cells_per_unit_ = std::ldexp(1.0, kBits - std::ilogb(longest) - 1);
     struct Keyed {
         std::uint64_t code;
         Index id;
@@ -104,7 +107,7 @@ void SignedDistance::sort_points(const Context& context) {
     std::vector<Keyed> keys(points_.size());
     parallel_for(context, keys.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            keys[i] = {morton(points_[i].position, cells_per_unit), static_cast<Index>(i)};
+            keys[i] = {morton(points_[i].position, cells_per_unit_), static_cast<Index>(i)};
     });
     parallel_sort(context, keys, [&](const Keyed& a, const Keyed& b) {
         if (a.code != b.code) return a.code < b.code;
@@ -174,21 +177,56 @@ bool SignedDistance::has_point_within(Vec3d place, double radius) const {
     return found;
 }
 
-std::vector<SignedDistance::Near> SignedDistance::gather(Vec3d place) const {
-    std::vector<Near> near;
-    near.reserve(128);
-    visit(
-        [&](const Node& node) {
-            return squared_distance(node.box, place) < double{node.reach} * node.reach;
-        },
-        [&](const Point& p) {
+/// Gathers near points for one place after the other. Keeps those around a small cube, for the next
+/// places that fall into it; what it gives does not depend on that.
+class SignedDistance::Cursor {
+ public:
+    explicit Cursor(const SignedDistance& field)
+        : field_(field), last_reach_(double{field.reach_} * field.min_spacing_) {}
+
+    std::span<const Near> near(Vec3d place) {
+        const Vec3d d = place - center_;
+        if (!(std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= half_)) move_to(place);
+        near_.clear();
+        for (const Point& p : around_) {
             const Vec3f offset = vec_cast<float>(place - p.position);
-            const float q = squared_length(offset) / square(reach_ * p.spacing);
-            if (q < 1.0F) near.push_back({offset, p.normal, p.spacing, q});
-            return true;
-        });
-    return near;
-}
+            const float q = squared_length(offset) / square(field_.reach_ * p.spacing);
+            if (q < 1.0F) near_.push_back({offset, p.normal, p.spacing, q});
+        }
+        return near_;
+    }
+
+ private:
+    // Half the edge of the cube, in reaches: places per cube against points around it.
+    static constexpr double kHalf = 0.6;
+
+    void move_to(Vec3d place) {
+        center_ = place;
+        half_ = kHalf * last_reach_;
+        const Vec3d corner{half_, half_, half_};
+        const Box cube{place - corner, place + corner};
+        around_.clear();
+        field_.visit(
+            [&](const Node& node) {
+                return squared_distance(node.box, cube) < double{node.reach} * node.reach;
+            },
+            [&](const Point& p) {
+                const double reach = double{field_.reach_} * p.spacing;
+                if (squared_distance(cube, p.position) < reach * reach) around_.push_back(p);
+                return true;
+            });
+        if (around_.empty()) return;
+        const auto finest = std::ranges::min_element(around_, {}, &Point::spacing);
+        last_reach_ = double{field_.reach_} * finest->spacing;
+    }
+
+    const SignedDistance& field_;
+    Vec3d center_;
+    double half_ = -1.0;
+    double last_reach_;  ///< of the finest point around the last cube that had any
+    std::vector<Point> around_;
+    std::vector<Near> near_;
+};
 
 /// The nearest points decide which sheet it is.
 SignedDistance::Fit SignedDistance::first_fit(std::span<const Near> near) const {
@@ -259,12 +297,22 @@ FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit)
     return s;
 }
 
-FieldSample SignedDistance::at(Vec3d place) const {
-    const std::vector<Near> near = gather(place);
+FieldSample SignedDistance::describe(std::span<const Near> near) const {
     if (near.empty()) return {};
     Fit fit = first_fit(near);
     for (int k = 0; k < kIterations; ++k) fit = refine(near, fit);
     return describe(near, fit);
+}
+
+std::vector<FieldSample> SignedDistance::at(std::span<const Vec3d> places) const {
+    std::vector<std::pair<std::uint64_t, std::size_t>> order(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+        order[i] = {morton(places[i], cells_per_unit_), i};
+    std::ranges::sort(order);
+    std::vector<FieldSample> samples(places.size());
+    Cursor cursor(*this);
+    for (const auto& [code, i] : order) samples[i] = describe(cursor.near(places[i]));
+    return samples;
 }
 
 }  // namespace pointbake

@@ -28,8 +28,9 @@ class SignedDistance {
     SignedDistance(std::span<const Vec3d> points, std::span<const Vec3f> normals,
                    std::span<const float> spacing, double noise, const Context& context);
 
-    /// O(log n + points within reach); these are about 70 without noise.
-    FieldSample at(Vec3d place) const;
+    /// At each place; fastest where places are near each other. O(log n + points within reach)
+    /// each; about 70 are, without noise.
+    std::vector<FieldSample> at(std::span<const Vec3d> places) const;
     /// Whether a point lies within the radius. O(log n) where one does or none is near.
     bool has_point_within(Vec3d place, double radius) const;
 
@@ -55,13 +56,14 @@ class SignedDistance {
         float q;  ///< squared distance over squared reach, in [0, 1)
     };
     struct Fit;
+    class Cursor;
 
     void sort_points(const Context& context);
     void build_tree(const Context& context);
     Node leaf_node(std::size_t leaf) const;
     template <class IsNear, class Visit>
     void visit(IsNear&& is_near, Visit&& visit_point) const;
-    std::vector<Near> gather(Vec3d place) const;
+    FieldSample describe(std::span<const Near> near) const;
     Fit first_fit(std::span<const Near> near) const;
     Fit refine(std::span<const Near> near, const Fit& fit) const;
     FieldSample describe(std::span<const Near> near, const Fit& fit) const;
@@ -71,6 +73,7 @@ class SignedDistance {
     std::size_t num_leaves_ = 0;
     Box box_;
     double noise_ = 0.0;
+    double cells_per_unit_ = 1.0;  ///< of the grid behind the Morton codes
     float min_spacing_ = 0.0F;
     float width_ = 0.0F;  ///< radius of the kernel of the fit, in spacings
     float reach_ = 0.0F;  ///< how far away a point is taken in, in spacings
