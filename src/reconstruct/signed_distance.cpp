@@ -31,6 +31,10 @@ constexpr double kWidth = 2.5, kWidthPerNoise = 4.0;
 // holes in random samples.
 constexpr float kDensityWidth = 4.5F;
 constexpr int kIterations = 3;
+// Inside a sampled surface the nearest point is not farther than this, in spacings.
+constexpr float kSureDistance = 0.75F;
+// A point that is nearer by this factor counts more than those in reach.
+constexpr double kNearerShare = 0.8;
 // Normals that differ by more than this cosine are a crease or another sheet.
 constexpr float kBentCosine = 0.6F, kBentShare = 0.02F;
 
@@ -191,7 +195,8 @@ class SignedDistance::Cursor {
         for (const Point& p : around_) {
             const Vec3f offset = vec_cast<float>(place - p.position);
             const float q = squared_length(offset) / square(field_.reach_ * p.spacing);
-            if (q < 1.0F) near_.push_back({offset, p.normal, p.spacing, q});
+            if (q < 1.0F)
+                near_.push_back({offset, p.normal, p.spacing, 1.0F / square(p.spacing), q});
         }
         return near_;
     }
@@ -233,7 +238,7 @@ SignedDistance::Fit SignedDistance::first_fit(std::span<const Near> near) const 
     Vec3f normal;
     const Near* nearest = &near.front();
     for (const Near& p : near) {
-        normal += p.normal * square(fourth(1.0F - p.q));
+        normal += p.normal * (p.fineness * square(fourth(1.0F - p.q)));
         if (p.q < nearest->q) nearest = &p;
     }
     normal = normalized(normal);
@@ -242,7 +247,7 @@ SignedDistance::Fit SignedDistance::first_fit(std::span<const Near> near) const 
     for (const Near& p : near) {
         const float cosine = dot(p.normal, normal);
         if (cosine <= 0.0F) continue;
-        const float w = square(fourth(1.0F - p.q)) * cosine;
+        const float w = p.fineness * square(fourth(1.0F - p.q)) * cosine;
         sum += w;
         value += w * dot(p.offset, p.normal + normal);
     }
@@ -258,7 +263,7 @@ SignedDistance::Fit SignedDistance::refine(std::span<const Near> near, const Fit
     for (const Near& p : near) {
         const float q = squared_length(p.offset - height) / square(width_ * p.spacing);
         if (q >= 1.0F) continue;
-        const float w = fourth(1.0F - q) * agreement(dot(p.normal, fit.normal));
+        const float w = p.fineness * fourth(1.0F - q) * agreement(dot(p.normal, fit.normal));
         sum += w;
         normal += p.normal * w;
         offset += p.offset * w;
@@ -270,7 +275,7 @@ SignedDistance::Fit SignedDistance::refine(std::span<const Near> near, const Fit
 }
 
 FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit) const {
-    float density = 0.0F, all = 0.0F, bent = 0.0F, sum = 0.0F, spacing = 0.0F;
+    float density = 0.0F, all = 0.0F, bent = 0.0F, sum = 0.0F, fineness = 0.0F;
     const float sheet = 2.0F + 3.0F * static_cast<float>(noise_);
     for (const Near& p : near) {
         const float cosine = dot(p.normal, fit.normal);
@@ -278,7 +283,7 @@ FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit)
         all += w;
         if (cosine < kBentCosine) bent += w;
         sum += w * w;
-        spacing += w * w * p.spacing;
+        fineness += w * w * p.fineness;
         const float height = dot(p.offset, fit.normal);
         const float q =
             (squared_length(p.offset) - square(height)) / square(kDensityWidth * p.spacing);
@@ -289,7 +294,7 @@ FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit)
     s.is_known = true;
     s.value = fit.value;
     s.normal = fit.normal;
-    s.spacing = sum > 0.0F ? spacing / sum : near.front().spacing;
+    s.spacing = sum > 0.0F ? std::sqrt(sum / fineness) : near.front().spacing;
     // Points of a plane, one per square of their spacing: the kernel's integral over the plane.
     constexpr float kWhole = 3.14159265F / 5.0F * kDensityWidth * kDensityWidth;
     s.density = density / kWhole;
@@ -297,8 +302,18 @@ FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit)
     return s;
 }
 
-FieldSample SignedDistance::describe(std::span<const Near> near) const {
-    if (near.empty()) return {};
+/// Points much finer than those in reach may be nearer and yet not reach the place: then the
+/// others, which end somewhere before them, are no guide.
+bool SignedDistance::is_overreached(Vec3d place, std::span<const Near> near) const {
+    const auto distance2 = [](const Near& p) { return squared_length(p.offset); };
+    const Near& nearest = *std::ranges::min_element(near, {}, distance2);
+    const double distance = length(nearest.offset);
+    return distance > kSureDistance * nearest.spacing &&
+           has_point_within(place, kNearerShare * distance);
+}
+
+FieldSample SignedDistance::describe(Vec3d place, std::span<const Near> near) const {
+    if (near.empty() || is_overreached(place, near)) return {};
     Fit fit = first_fit(near);
     for (int k = 0; k < kIterations; ++k) fit = refine(near, fit);
     return describe(near, fit);
@@ -311,7 +326,7 @@ std::vector<FieldSample> SignedDistance::at(std::span<const Vec3d> places) const
     std::ranges::sort(order);
     std::vector<FieldSample> samples(places.size());
     Cursor cursor(*this);
-    for (const auto& [code, i] : order) samples[i] = describe(cursor.near(places[i]));
+    for (const auto& [code, i] : order) samples[i] = describe(places[i], cursor.near(places[i]));
     return samples;
 }
 

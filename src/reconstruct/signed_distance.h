@@ -53,7 +53,8 @@ class SignedDistance {
         Vec3f offset;  ///< from the point to the place
         Vec3f normal;
         float spacing;
-        float q;  ///< squared distance over squared reach, in [0, 1)
+        float fineness;  ///< points per area: where spacings differ, fine ones count more
+        float q;         ///< squared distance over squared reach, in [0, 1)
     };
     struct Fit;
     class Cursor;
@@ -63,7 +64,8 @@ class SignedDistance {
     Node leaf_node(std::size_t leaf) const;
     template <class IsNear, class Visit>
     void visit(IsNear&& is_near, Visit&& visit_point) const;
-    FieldSample describe(std::span<const Near> near) const;
+    bool is_overreached(Vec3d place, std::span<const Near> near) const;
+    FieldSample describe(Vec3d place, std::span<const Near> near) const;
     Fit first_fit(std::span<const Near> near) const;
     Fit refine(std::span<const Near> near, const Fit& fit) const;
     FieldSample describe(std::span<const Near> near, const Fit& fit) const;
