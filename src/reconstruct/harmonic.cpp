@@ -14,6 +14,10 @@ namespace {
 constexpr std::size_t kGrain = 1U << 13;
 // The error halves in about four steps; a half of it moves the surface by less than a cell.
 constexpr int kMaxSteps = 60;
+// Solutions, each but the first with the weights of the one before.
+constexpr int kRounds = 5;
+// Slopes below this, per cube of the grid, count as flat.
+constexpr double kLeastSlope = 0.2;
 constexpr double kTolerance = 1e-6;  // of the first residual, squared
 
 /// Integrals of grad(a) . grad(b) over a tetrahedron, for its vertices' hat functions a and b.
@@ -33,16 +37,25 @@ std::array<std::array<double, 4>, 4> stiffness(const std::array<Vec3d, 4>& p) {
 
 class Solver {
  public:
-    Solver(const SimplexGrid& grid, std::span<const std::uint8_t> is_given,
-           std::span<const float> values, const Context& context)
+    Solver(const SimplexGrid& grid, std::span<const std::uint8_t> is_given, const Context& context)
         : grid_(grid), context_(context), row_(grid.num_nodes(), kInvalidIndex) {
         number_rows(is_given);
-        assemble(values);
+        tets_ = grid_.leaves(context_, [&](const std::array<Index, 4>& t) {
+            return std::ranges::any_of(t, [&](Index v) { return row_[v] != kInvalidIndex; });
+        });
         find_parents();
     }
 
     void solve(std::vector<float>& values) {
         start(values);
+        for (int round = 0; round < kRounds; ++round) {
+            assemble(values, round > 0);
+            solve_linear(values);
+        }
+    }
+
+ private:
+    void solve_linear(std::vector<float>& values) {
         std::vector<double> residual = right_, direction, image(size());
         apply(x_, image);
         for (std::size_t i = 0; i < size(); ++i) residual[i] -= image[i];
@@ -63,7 +76,6 @@ class Solver {
         for (std::size_t i = 0; i < size(); ++i) values[nodes_[i]] = static_cast<float>(x_[i]);
     }
 
- private:
     struct Entry {
         Index column;
         double value;
@@ -78,12 +90,9 @@ class Solver {
         for (Index i = 0; i < nodes_.size(); ++i) row_[nodes_[i]] = i;
     }
 
-    void assemble(std::span<const float> values) {
-        const auto tets = grid_.leaves(context_, [&](const std::array<Index, 4>& t) {
-            return std::ranges::any_of(t, [&](Index v) { return row_[v] != kInvalidIndex; });
-        });
+    void assemble(std::span<const float> values, bool is_reweighted) {
         begin_.assign(size() + 1, 0);
-        for (const auto& t : tets)
+        for (const auto& t : tets_)
             for (const Index v : t)
                 if (row_[v] != kInvalidIndex) begin_[row_[v] + 1] += 3;
         std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
@@ -91,9 +100,10 @@ class Solver {
         diagonal_.assign(size(), 0.0);
         right_.assign(size(), 0.0);
         std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-        for (const auto& t : tets) {
-            const auto k = stiffness(
+        for (const auto& t : tets_) {
+            auto k = stiffness(
                 {grid_.place(t[0]), grid_.place(t[1]), grid_.place(t[2]), grid_.place(t[3])});
+            if (is_reweighted) reweight(k, values, t);
             for (std::size_t a = 0; a < 4; ++a) {
                 const Index row = row_[t[a]];
                 if (row == kInvalidIndex) continue;
@@ -134,6 +144,24 @@ class Solver {
         }
         begin_[size()] = end;
         entries_.resize(end);
+    }
+
+    /// By one over the gradient, which is volume(t)^(1/2) x energy^(1/2) of the values.
+    void reweight(std::array<std::array<double, 4>, 4>& k, std::span<const float> values,
+                  const std::array<Index, 4>& t) const {
+        double energy = 0.0;
+        for (std::size_t a = 0; a < 4; ++a)
+            for (std::size_t b = 0; b < 4; ++b)
+                energy += k[a][b] * double{values[t[a]]} * double{values[t[b]]};
+        const Vec3d p = grid_.place(t[0]);
+        const double volume = std::abs(dot(grid_.place(t[1]) - p,
+                                           cross(grid_.place(t[2]) - p, grid_.place(t[3]) - p))) /
+                              6.0;
+        const double slope2 = std::max(energy, 0.0) / volume,
+                     least = kLeastSlope / grid_.cube_size();
+        const double weight = 1.0 / std::sqrt(slope2 + least * least);
+        for (auto& row : k)
+            for (double& entry : row) entry *= weight;
     }
 
     void find_parents() {
@@ -200,8 +228,9 @@ class Solver {
 
     const SimplexGrid& grid_;
     const Context& context_;
-    std::vector<Index> nodes_;  ///< of each row
-    std::vector<Index> row_;    ///< of each node
+    std::vector<std::array<Index, 4>> tets_;  ///< with an unknown vertex
+    std::vector<Index> nodes_;                ///< of each row
+    std::vector<Index> row_;                  ///< of each node
     std::vector<std::size_t> begin_;
     std::vector<Entry> entries_;
     std::vector<double> diagonal_, right_, x_;
@@ -212,7 +241,7 @@ class Solver {
 
 void fill_harmonic_in_place(const SimplexGrid& grid, std::span<const std::uint8_t> is_given,
                             std::vector<float>& values, const Context& context) {
-    Solver(grid, is_given, values, context).solve(values);
+    Solver(grid, is_given, context).solve(values);
 }
 
 }  // namespace pointbake

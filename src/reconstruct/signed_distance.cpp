@@ -26,7 +26,7 @@ constexpr std::size_t kLeafSize = 8, kGrain = 4096;
 
 // Radius of the fit's kernel in spacings; the kernel (1 - q)^4 is like a Gaussian of radius / 2.8.
 // Measured: see docs/stages/reconstruct.md.
-constexpr double kWidth = 2.5, kWidthPerNoise = 4.0;
+constexpr double kWidth = 2.0, kWidthPerRootNoise = 6.0;
 // Radius of the kernel that measures density. It must hold so many points that chance leaves no
 // holes in random samples.
 constexpr float kDensityWidth = 4.5F;
@@ -80,6 +80,7 @@ std::uint64_t morton(Vec3d p, double cells_per_unit) {
 struct SignedDistance::Fit {
     float value = 0.0F;
     Vec3f normal;
+    bool has_points = false;  ///< around the foot point
 };
 
 SignedDistance::SignedDistance(std::span<const Vec3d> points, std::span<const Vec3f> normals,
@@ -91,7 +92,7 @@ SignedDistance::SignedDistance(std::span<const Vec3d> points, std::span<const Ve
         box_.extend(points[i]);
         min_spacing_ = points_.size() == 1 ? spacing[i] : std::min(min_spacing_, spacing[i]);
     }
-    width_ = static_cast<float>(kWidth + kWidthPerNoise * noise);
+    width_ = static_cast<float>(kWidth + kWidthPerRootNoise * std::sqrt(noise));
     reach_ = std::max(width_, kDensityWidth);
     if (points_.empty()) return;
     sort_points(context);
@@ -269,9 +270,9 @@ SignedDistance::Fit SignedDistance::refine(std::span<const Near> near, const Fit
         offset += p.offset * w;
         along += w * dot(p.offset, p.normal);
     }
-    if (!(sum > 0.0F)) return fit;
+    if (!(sum > 0.0F)) return {fit.value, fit.normal, false};
     normal = normalized(normal);
-    return {0.5F * (along + dot(offset, normal)) / sum, normal};
+    return {0.5F * (along + dot(offset, normal)) / sum, normal, true};
 }
 
 FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit) const {
@@ -297,7 +298,7 @@ FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit)
     s.spacing = sum > 0.0F ? std::sqrt(sum / fineness) : near.front().spacing;
     // Points of a plane, one per square of their spacing: the kernel's integral over the plane.
     constexpr float kWhole = 3.14159265F / 5.0F * kDensityWidth * kDensityWidth;
-    s.density = density / kWhole;
+    s.density = fit.has_points ? density / kWhole : 0.0F;
     s.is_bent = bent > kBentShare * all;
     return s;
 }

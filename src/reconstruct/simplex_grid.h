@@ -27,6 +27,8 @@ class SimplexGrid {
     static constexpr int kDepth = 17;
     static constexpr std::int32_t kCubeUnits = 1 << kDepth;  ///< a cube's edge
 
+    double cube_size() const { return unit_ * kCubeUnits; }
+
     /// Vertices, and candidates for vertices; numbered as they came. The cubes' corners come first.
     Index num_nodes() const { return static_cast<Index>(points_.size()); }
     bool is_corner(Index node) const { return node < num_corners_; }
