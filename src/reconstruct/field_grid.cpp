@@ -8,7 +8,7 @@
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kGrain = 4096;
 
 // Longest edges of the tetrahedra at the surface, in spacings: shorter ones are not split, longer
 // ones always.

@@ -11,14 +11,14 @@
 #include "core/parallel.h"
 #include "reconstruct/contour.h"
 #include "reconstruct/field_grid.h"
-#include "reconstruct/harmonic.h"
+#include "reconstruct/membrane.h"
 #include "reconstruct/signed_distance.h"
 #include "reconstruct/surface_parts.h"
 
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kGrain = 4096;
 
 // Where the density falls below this there is no surface: a third of a spacing beyond a straight
 // border. Lower than a half, so that chance makes no holes in random samples.
@@ -68,11 +68,13 @@ class ImplicitSurface {
             const FieldSample& s = vertices.samples[i];
             support[i] = is_root(s) ? s.density - kLeastDensity : -kLeastDensity;
         }
-        return is_closed_ ? keep_supported_pieces(std::move(mesh), support) : trim(mesh, support);
+        if (!is_closed_) return trim(mesh, support);
+        smooth_unsupported_in_place(mesh, support);
+        return keep_supported_pieces(std::move(mesh), support);
     }
 
  private:
-    /// Values per node: the field's, and between them a harmonic function if the surface is closed.
+    /// Values per node: the field's, and between them those of a membrane if the surface is closed.
     void assign_values() {
         const SimplexGrid& grid = sampled_.grid;
         values_.assign(grid.num_nodes(), std::numeric_limits<float>::quiet_NaN());
@@ -89,7 +91,7 @@ class ImplicitSurface {
             // Only the side counts: near the points the function is as steep on both.
             if (is_given[i]) values_[i] = std::clamp(values_[i], -1.0F, 1.0F);
         }
-        fill_harmonic_in_place(grid, is_given, values_, context_);
+        span_membrane_in_place(grid, is_given, values_, context_);
     }
 
     Vertices place_vertices(const Contour& contour) const {

@@ -44,15 +44,21 @@ float fourth(float v) { return square(square(v)); }
 // Weight for normals that agree: a half at 33 degrees, 0 from 90.
 float agreement(float cosine) { return cosine > 0.0F ? fourth(cosine) : 0.0F; }
 
+double squared(double v) { return v * v; }
+
+/// How far an interval ends below 0 or begins above it.
+double gap(double low, double high) { return low > 0.0 ? low : (high < 0.0 ? -high : 0.0); }
+
 double squared_distance(const Box& a, const Box& b) {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double gap = std::max({a.low[k] - b.high[k], b.low[k] - a.high[k], 0.0});
-        sum += gap * gap;
-    }
-    return sum;
+    return squared(gap(a.low.x - b.high.x, a.high.x - b.low.x)) +
+           squared(gap(a.low.y - b.high.y, a.high.y - b.low.y)) +
+           squared(gap(a.low.z - b.high.z, a.high.z - b.low.z));
 }
-double squared_distance(const Box& box, Vec3d p) { return squared_distance(box, Box{p, p}); }
+double squared_distance(const Box& a, Vec3d p) {
+    return squared(gap(a.low.x - p.x, a.high.x - p.x)) +
+           squared(gap(a.low.y - p.y, a.high.y - p.y)) +
+           squared(gap(a.low.z - p.z, a.high.z - p.z));
+}
 
 // Spreads the lowest 21 bits to every third bit.
 std::uint64_t spread(std::uint64_t v) {

@@ -14,7 +14,7 @@ namespace pointbake {
 
 /// Cubes of six tetrahedra each, bisected at their longest edges [Maubach95]. A node is the
 /// midpoint of such an edge; the tetrahedra around the edge are split together, by making the node
-/// a vertex. That asks for the nodes that brought the tetrahedra about [DeFloriani04]: closed under
+/// a vertex. That asks for the nodes that brought the tetrahedra about [Gregorski02]: closed under
 /// this, the set of vertices is the whole state, and in whatever order it came about, the grid is
 /// the same.
 class SimplexGrid {

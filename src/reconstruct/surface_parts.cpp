@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -16,6 +17,8 @@ namespace {
 // Smaller islands are left over from noise.
 constexpr Index kLeastTriangles = 12;
 constexpr double kLeastSupport = 0.1;
+// Enough for the grid's steps to vanish.
+constexpr int kSmoothingSteps = 30;
 
 /// Without vertices that no triangle uses.
 Mesh compact(const Mesh& mesh) {
@@ -128,6 +131,30 @@ void split_pinches(Mesh& mesh) {
 }
 
 }  // namespace
+
+void smooth_unsupported_in_place(Mesh& mesh, std::span<const float> support) {
+    const auto is_free = [&](Index v) { return support[v] <= 0.0F; };
+    std::vector<Triangle> triangles;
+    std::ranges::copy_if(mesh.triangles, std::back_inserter(triangles), [&](const Triangle& t) {
+        return is_free(t[0]) || is_free(t[1]) || is_free(t[2]);
+    });
+    std::vector<Vec3d> sum(mesh.positions.size());
+    std::vector<Index> count(mesh.positions.size());
+    for (int step = 0; step < kSmoothingSteps; ++step) {
+        for (const Triangle& t : triangles)
+            for (std::size_t k = 0; k < 3; ++k) {
+                sum[t[k]] += mesh.positions[t[(k + 1) % 3]];
+                ++count[t[k]];
+            }
+        for (const Triangle& t : triangles)
+            for (const Index v : t) {
+                if (is_free(v) && count[v] > 0)
+                    mesh.positions[v] = sum[v] / static_cast<double>(count[v]);
+                sum[v] = {};
+                count[v] = 0;
+            }
+    }
+}
 
 Mesh trim(const Mesh& mesh, std::span<const float> support) {
     Mesh out = Cutter(mesh, support).take();

@@ -12,6 +12,10 @@ namespace pointbake {
 /// linear.
 Mesh trim(const Mesh& mesh, std::span<const float> support);
 
+/// Moves vertices without support to the mean of their neighbours, some times over: a membrane
+/// takes its last shape so. For a closed 2-manifold.
+void smooth_unsupported_in_place(Mesh& mesh, std::span<const float> support);
+
 /// Drops pieces of a closed 2-manifold that have support on less than a tenth of their vertices,
 /// but not all of them; turns the rest round if its volume is negative.
 Mesh keep_supported_pieces(Mesh mesh, std::span<const float> support);

@@ -1,6 +1,9 @@
 // Linear finite elements, solved by conjugate gradients. The preconditioner is the hierarchical
-// basis [Yserentant86]: the grid's own bisections are the levels.
-#include "reconstruct/harmonic.h"
+// basis [Yserentant86]: the grid's own bisections are the levels. Solved again with each
+// tetrahedron weighted by one over the gradient there, the energy becomes the integral of the
+// gradient, which is the area of the level sets: the zero set tends to the membrane of least area
+// [Strang83].
+#include "reconstruct/membrane.h"
 
 #include <algorithm>
 #include <array>
@@ -239,7 +242,7 @@ class Solver {
 
 }  // namespace
 
-void fill_harmonic_in_place(const SimplexGrid& grid, std::span<const std::uint8_t> is_given,
+void span_membrane_in_place(const SimplexGrid& grid, std::span<const std::uint8_t> is_given,
                             std::vector<float>& values, const Context& context) {
     Solver(grid, is_given, context).solve(values);
 }
