@@ -25,7 +25,7 @@ constexpr std::size_t kGrain = 4096;
 constexpr float kLeastDensity = 0.4F;
 // Height above the surface, in spacings, up to which the field's sign is trusted. Farther up
 // another sheet may be as near.
-constexpr float kTrustedHeight = 3.0F;
+constexpr float kTrustedHeight = 4.0F;
 // A root is one if the field is that small there, in spacings; elsewhere its sign jumps, half way
 // between two sheets that face the same way.
 constexpr float kRootTolerance = 0.25F;

@@ -51,13 +51,21 @@ class Solver {
 
     void solve(std::vector<float>& values) {
         start(values);
-        for (int round = 0; round < kRounds; ++round) {
+        for (int round = 0; round < kRounds && (round == 0 || is_crossed(values)); ++round) {
             assemble(values, round > 0);
             solve_linear(values);
         }
     }
 
  private:
+    /// Whether the zero set passes where values are not given: else there is no membrane.
+    bool is_crossed(std::span<const float> values) const {
+        return std::ranges::any_of(tets_, [&](const std::array<Index, 4>& t) {
+            const bool is_inside = values[t[0]] < 0.0F;
+            return std::ranges::any_of(t, [&](Index v) { return (values[v] < 0.0F) != is_inside; });
+        });
+    }
+
     void solve_linear(std::vector<float>& values) {
         std::vector<double> residual = right_, direction, image(size());
         apply(x_, image);

@@ -209,14 +209,30 @@ class SignedDistance::Cursor {
     }
 
  private:
-    // Half the edge of the cube, in reaches: places per cube against points around it.
-    static constexpr double kHalf = 0.6;
+    // Edge of the cube in reaches, at most: places per cube against points around it.
+    static constexpr double kEdge = 1.6;
 
+    /// To the cell of the Morton codes' grid, or rather of a coarser one, that holds the place:
+    /// places in Morton order leave it once. Smaller ones are tried while the points around are
+    /// finer than those before.
     void move_to(Vec3d place) {
-        center_ = place;
-        half_ = kHalf * last_reach_;
-        const Vec3d corner{half_, half_, half_};
-        const Box cube{place - corner, place + corner};
+        for (double reach = last_reach_;; reach = last_reach_) {
+            const double cells_per_unit = field_.cells_per_unit_;
+            const double edge =
+                std::ldexp(1.0, std::ilogb(kEdge * reach * cells_per_unit)) / cells_per_unit;
+            const auto low = [&](double v) { return std::floor(v / edge) * edge; };
+            const Vec3d corner{low(place.x), low(place.y), low(place.z)};
+            gather({corner, corner + Vec3d{edge, edge, edge}});
+            if (around_.empty()) return;
+            const auto finest = std::ranges::min_element(around_, {}, &Point::spacing);
+            last_reach_ = double{field_.reach_} * finest->spacing;
+            if (last_reach_ >= 0.5 * reach) return;
+        }
+    }
+
+    void gather(const Box& cube) {
+        center_ = cube.center();
+        half_ = 0.5 * (cube.high.x - cube.low.x);
         around_.clear();
         field_.visit(
             [&](const Node& node) {
@@ -227,9 +243,6 @@ class SignedDistance::Cursor {
                 if (squared_distance(cube, p.position) < reach * reach) around_.push_back(p);
                 return true;
             });
-        if (around_.empty()) return;
-        const auto finest = std::ranges::min_element(around_, {}, &Point::spacing);
-        last_reach_ = double{field_.reach_} * finest->spacing;
     }
 
     const SignedDistance& field_;
