@@ -210,7 +210,7 @@ class SignedDistance::Cursor {
 
  private:
     // Edge of the cube in reaches, at most: places per cube against points around it.
-    static constexpr double kEdge = 1.6;
+    static constexpr double kEdge = 2.4;
 
     /// To the cell of the Morton codes' grid, or rather of a coarser one, that holds the place:
     /// places in Morton order leave it once. Smaller ones are tried while the points around are
