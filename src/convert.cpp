@@ -154,6 +154,14 @@ ReconstructResult given_mesh(ConvertInput& input) {
     return out;
 }
 
+// A surface that is given is not second-guessed, and vertices of a mesh are where they should be.
+DenoiseOptions denoising_for(const ConvertInput& input, const ConvertOptions& options) {
+    DenoiseOptions out = options.denoise;
+    const bool is_given = input.mesh || options.reconstruct.surface == Surface::kGiven;
+    if (is_given || (out.denoise == Denoise::kAuto && input.file_mesh)) out.denoise = Denoise::kOff;
+    return out;
+}
+
 }  // namespace
 
 void validate(const ConvertOptions& options) {
@@ -204,10 +212,8 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
             CleanResult cleaned =
                 clean(std::move(input.cloud), cleaning_for(input, options), context);
             result.report.clean = cleaned.report;
-            // A surface that is given is not second-guessed.
-            const DenoiseOptions denoising =
-                is_given ? DenoiseOptions{Denoise::kOff} : options.denoise;
-            DenoiseResult denoised = denoise(std::move(cleaned.cloud), denoising, context);
+            DenoiseResult denoised =
+                denoise(std::move(cleaned.cloud), denoising_for(input, options), context);
             result.report.denoise = denoised.report;
             AttributesResult attributes =
                 estimate_attributes(std::move(denoised.cloud), options.attributes, context);
@@ -217,6 +223,10 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
         return result;
     }
     if (!stages.run(Stage::kReconstruct, [&] {
+            if (!is_given && needs_normals(options.reconstruct))
+                result.cloud =
+                    refine_attributes(std::move(result.cloud), {}, options.attributes, context)
+                        .cloud;
             ReconstructResult surface =
                 is_given ? given_mesh(input)
                          : reconstruct(result.cloud, options.reconstruct, context);

@@ -40,13 +40,13 @@ AttributesResult estimate_attributes(PointCloud cloud, const AttributesOptions& 
                                      const Context& context = {});
 
 /// Second half, once there is a surface: orients every normal with the surface's outward side, and
-/// takes areas (and radii that were estimated) from the surface triangles around a point; the areas
-/// of a cloud whose points are all vertices sum to the surface's. Tangent axes are filled only
-/// where the cloud has none and the points are clearly denser one way than the other. Points that
-/// are no vertices take the sign of the nearest one and keep their area; unknown normals of
-/// vertices become the surface's. With an empty surface, orients by a minimum spanning tree of the
-/// neighbour graph [Hoppe92]. Throws Error{kInvalidOption}, and Error{kInvalidInput} if the
-/// surface's vertex_points do not fit the cloud.
+/// takes areas (and radii that were estimated) from the surface triangles around a point, shared
+/// evenly with the points within a spacing that are no vertices and nearest to it; all of them sum
+/// to the surface's. Tangent axes are filled only where the cloud has none and the points are
+/// clearly denser one way than the other. Points that are no vertices take the sign of the nearest
+/// one; unknown normals of vertices become the surface's. With an empty surface, orients by a
+/// minimum spanning tree of the neighbour graph [Hoppe92]. Throws Error{kInvalidOption}, and
+/// Error{kInvalidInput} if the surface's vertex_points do not fit the cloud.
 AttributesResult refine_attributes(PointCloud cloud, const DenseMesh& surface,
                                    const AttributesOptions& options = {},
                                    const Context& context = {});

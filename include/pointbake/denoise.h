@@ -25,7 +25,8 @@ struct DenoiseOptions {
 };
 
 struct DenoiseReport {
-    double noise = 0.0;  ///< measured: median over the points, in local spacings
+    double noise = 0.0;       ///< measured: median over the points, in local spacings
+    double noise_left = 0.0;  ///< likewise, afterwards
     bool is_done = false;
     double shift_rms = 0.0, shift_max = 0.0;  ///< of the points that were moved, cloud units
 };
@@ -35,9 +36,10 @@ struct DenoiseResult {
     DenoiseReport report;
 };
 
-/// Noise across the surface: standard deviation of the points from quadrics through their nearest
-/// neighbours, the median over at most 20 000 points, in units of the local spacing. 0 for fewer
-/// than 64 points.
+/// Noise across the surface: standard deviation of the points from quadrics through their 12 (much
+/// noise: 32) nearest neighbours, the median over some 20 000 points, in units of the local
+/// spacing. 0 for fewer than 64 points. Reads 0.10, 0.30, 0.81 for noise of 0.1, 0.3 and 1
+/// spacings, below 0.02 for clean models.
 double measure_noise(const PointCloud& cloud, const Context& context = {});
 
 /// Moves each point along the normal of a quadric that is fitted to its neighbours, onto it. How

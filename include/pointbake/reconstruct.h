@@ -1,4 +1,4 @@
-// Stage 3: points become a dense triangle mesh over (a subset of) them. No normals needed.
+// Stage 3: points become a dense triangle mesh, over (a subset of) them or between them.
 #pragma once
 
 #include <string>
@@ -14,10 +14,11 @@ template <>
 struct EnumWords<Surface> {
     static constexpr std::string_view words[] = {"auto", "open", "watertight", "given"};
 };
-enum class Method { kAuto, kCocone, kTightCocone, kRobustCocone };
+enum class Method { kAuto, kCocone, kTightCocone, kRobustCocone, kImplicit };
 template <>
 struct EnumWords<Method> {
-    static constexpr std::string_view words[] = {"auto", "cocone", "tight-cocone", "robust-cocone"};
+    static constexpr std::string_view words[] = {"auto", "cocone", "tight-cocone", "robust-cocone",
+                                                 "implicit"};
 };
 
 struct ReconstructOptions {
@@ -30,7 +31,7 @@ struct ReconstructOptions {
         field(
             "method", &ReconstructOptions::method,
             "how it is found: cocone (open), tight-cocone (watertight), robust-cocone (watertight, "
-            "around the noise), or auto");
+            "around the noise), implicit (open or watertight, between the points), or auto");
     }
 };
 
@@ -64,5 +65,9 @@ struct ReconstructResult {
 /// no surface of the kind that is asked for.
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
                               const Context& context = {});
+
+/// The implicit method works from oriented normals and areas: as asked for, and for `auto` in
+/// builds without a triangulation.
+bool needs_normals(const ReconstructOptions& options);
 
 }  // namespace pointbake

@@ -76,6 +76,8 @@ struct PointCloud {
     std::vector<std::uint64_t> rows;  ///< input row of each point
     std::vector<Channel> channels;
 
+    double noise = 0.0;  ///< across the surface, in local spacings, if it was measured
+
     std::uint64_t num_rows = 0;         ///< rows in the input
     std::vector<DroppedPoint> dropped;  ///< rows that are no points, by row
     std::vector<std::pair<std::uint64_t, std::uint64_t>>

@@ -29,39 +29,70 @@ using Sides = std::vector<Vec3f>;
 
 Vec3f direction(Vec3d v) { return vec_cast<float>(normalized(v)); }
 
-/// For a surface over the cloud's points: sums of the triangles' normals, and the areas.
-Sides sides_and_areas_from_rings(PointCloud& cloud, const SurfaceRings& rings,
-                                 const Context& context) {
-    Sides sides(cloud.size());
+/// The rings of the points that are vertices; of the others, which vertex is nearest.
+struct Vertices {
+    std::vector<double> areas;     ///< per point, 0 = no vertex
+    Sides sides;                   ///< sums of the triangles' normals
+    std::vector<Neighbor> stands;  ///< nearest vertex of points that are none
+};
+
+Vertices find_vertices(const PointCloud& cloud, const SurfaceRings& rings, const Context& context) {
+    Vertices out{std::vector<double>(cloud.size()), Sides(cloud.size()),
+                 std::vector<Neighbor>(cloud.size())};
     parallel_for(context, cloud.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Ring ring = rings.of(static_cast<Index>(i));
-            sides[i] = direction(ring.outward);
-            if (!(ring.area > 0.0)) continue;
-            const bool is_estimated = cloud.radii[i] == equivalent_spacing(cloud.areas[i]);
-            cloud.areas[i] = static_cast<float>(ring.area);
-            if (is_estimated) cloud.radii[i] = equivalent_spacing(cloud.areas[i]);
+            out.areas[i] = ring.area;
+            out.sides[i] = direction(ring.outward);
         }
     });
-    return sides;
-}
-
-/// Points without a side take that of the nearest point that has one.
-void fill_sides_in_place(Sides& sides, const PointCloud& cloud, const Context& context) {
     std::vector<Index> with, without;
-    for (Index i = 0; i < sides.size(); ++i) (sides[i] == Vec3f{} ? without : with).push_back(i);
-    if (with.empty() || without.empty()) return;
+    for (Index i = 0; i < cloud.size(); ++i) (out.areas[i] > 0.0 ? with : without).push_back(i);
+    if (with.empty() || without.empty()) return out;
     std::vector<Vec3d> positions;
     positions.reserve(with.size());
     for (const Index i : with) positions.push_back(cloud.positions[i]);
     const KdTree tree(positions);
     parallel_for(context, without.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        Neighbor nearest;
         for (std::size_t k = begin; k < end; ++k) {
+            Neighbor nearest;
             tree.nearest(cloud.positions[without[k]], std::span(&nearest, 1));
-            sides[without[k]] = sides[with[nearest.index]];
+            nearest.index = with[nearest.index];
+            out.stands[without[k]] = nearest;
         }
     });
+    return out;
+}
+
+void set_area(PointCloud& cloud, std::size_t i, double area) {
+    const bool is_estimated = cloud.radii[i] == equivalent_spacing(cloud.areas[i]);
+    cloud.areas[i] = static_cast<float>(area);
+    if (is_estimated) cloud.radii[i] = equivalent_spacing(cloud.areas[i]);
+}
+
+/// A vertex shares its ring evenly with the points within a spacing that it stands for.
+void share_areas_in_place(PointCloud& cloud, const Vertices& vertices) {
+    const auto is_near = [&](std::size_t i) {
+        const Neighbor& stand = vertices.stands[i];
+        return stand.index != kInvalidIndex &&
+               stand.squared_distance < static_cast<double>(cloud.areas[i]);
+    };
+    std::vector<Index> guest_of(cloud.size(), kInvalidIndex), count(cloud.size(), 1);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+        if (is_near(i)) ++count[guest_of[i] = vertices.stands[i].index];
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const std::size_t host = guest_of[i] == kInvalidIndex ? i : guest_of[i];
+        if (vertices.areas[host] > 0.0) set_area(cloud, i, vertices.areas[host] / count[host]);
+    }
+}
+
+/// Points that are no vertices take the side of the nearest one.
+Sides sides_of_all(const Vertices& vertices) {
+    Sides sides = vertices.sides;
+    for (std::size_t i = 0; i < sides.size(); ++i)
+        if (vertices.stands[i].index != kInvalidIndex)
+            sides[i] = vertices.sides[vertices.stands[i].index];
+    return sides;
 }
 
 /// For a surface that does not come from the cloud: the normal of the closest triangle.
@@ -163,9 +194,9 @@ OrientCounts refine_by_surface_in_place(PointCloud& cloud, const DenseMesh& surf
         return orient_in_place(cloud.normals,
                                sides_of_closest_triangles(cloud, surface.mesh, context), context);
     const SurfaceRings rings(surface, cloud.size());
-    Sides sides = sides_and_areas_from_rings(cloud, rings, context);
-    fill_sides_in_place(sides, cloud, context);
-    const OrientCounts counts = orient_in_place(cloud.normals, sides, context);
+    const Vertices vertices = find_vertices(cloud, rings, context);
+    share_areas_in_place(cloud, vertices);
+    const OrientCounts counts = orient_in_place(cloud.normals, sides_of_all(vertices), context);
     if (cloud.axes.empty()) fill_axes_in_place(cloud, rings, context);
     return counts;
 }

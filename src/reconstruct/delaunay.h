@@ -20,6 +20,9 @@ struct Delaunay {
     std::vector<std::array<Index, 4>> neighbors;
 };
 
+/// False where the program is built without a triangulation (-DPOINTBAKE_CGAL=OFF).
+bool has_delaunay();
+
 /// Tetrahedralizes the points with the given ids (all of them if `subset` is empty). Points must be
 /// finite and distinct; neighbours in `points` should be near each other in space (Morton order),
 /// which decides speed alone. Exact predicates and a symbolic perturbation that depends on

@@ -187,6 +187,8 @@ Delaunay flat_arrays(const Triangulation& triangulation, std::size_t num_points,
 
 }  // namespace
 
+bool has_delaunay() { return true; }
+
 Delaunay delaunay(std::span<const Vec3d> points, const Context& context,
                   std::span<const Index> subset) {
     const IdSource ids{subset, subset.empty() ? points.size() : subset.size()};

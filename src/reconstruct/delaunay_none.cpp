@@ -4,10 +4,12 @@
 
 namespace pointbake {
 
+bool has_delaunay() { return false; }
+
 Delaunay delaunay(std::span<const Vec3d>, const Context&, std::span<const Index>) {
     fail(ErrorCode::kUnsupported,
-         "this build has no Delaunay triangulation (POINTBAKE_CGAL=OFF): bring a mesh with --mesh, "
-         "use --surface given, or build with -DPOINTBAKE_CGAL=ON");
+         "this build has no Delaunay triangulation (POINTBAKE_CGAL=OFF): use --method implicit, or "
+         "build with -DPOINTBAKE_CGAL=ON");
 }
 
 }  // namespace pointbake

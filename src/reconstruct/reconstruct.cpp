@@ -10,10 +10,12 @@
 #include "core/message.h"
 #include "core/parallel.h"
 #include "reconstruct/cocone.h"
+#include "reconstruct/delaunay.h"
 #include "reconstruct/facet_surface.h"
 #include "reconstruct/flat.h"
 #include "reconstruct/front.h"
 #include "reconstruct/holes.h"
+#include "reconstruct/implicit_method.h"
 #include "reconstruct/open_surface.h"
 #include "reconstruct/pieces.h"
 #include "reconstruct/robust_cocone.h"
@@ -30,8 +32,9 @@ constexpr std::string_view kStage = "reconstruct";
 constexpr double kMaxAdded = 0.15;
 // ... and left out at most this share of what Cocone found (double walls, hidden sheets).
 constexpr double kMaxLost = 0.05;
-// Points nearer to each other than this share of the spacing do not both become vertices.
-constexpr double kNearest = 0.5;
+// Points nearer to each other than this share of the spacing do not both become vertices: a
+// multiple of the noise, from duplicates up to half a spacing.
+constexpr double kNearestPerNoise = 25.0, kLeastNearest = 0.02, kMostNearest = 0.5;
 
 bool is_closing(Method method) {
     return method == Method::kTightCocone || method == Method::kRobustCocone;
@@ -164,7 +167,9 @@ class Stage {
  private:
     // Of points that are not too near to each other.
     Tetrahedra triangulate(const std::vector<Vec3d>& points) {
-        const std::vector<Index> kept = thin(points, kNearest, context_);
+        const double nearest =
+            std::clamp(kNearestPerNoise * cloud_.noise, kLeastNearest, kMostNearest);
+        const std::vector<Index> kept = thin(points, nearest, context_);
         report_.num_thinned = static_cast<Index>(points.size() - kept.size());
         std::vector<Vec3d> some;
         some.reserve(kept.size());
@@ -249,17 +254,7 @@ class Stage {
             result.surface.vertex_points.push_back(v);
         }
         mesh.triangles = std::move(indexed.triangles);
-        const Topology t = topology(mesh.positions.size(), mesh.triangles);
-        report_.num_vertices = t.num_vertices;
-        report_.num_triangles = t.num_triangles;
-        report_.num_components = t.num_components;
-        report_.num_boundary_loops = t.num_boundary_loops;
-        report_.num_unused =
-            static_cast<Index>(cloud_.size()) + report_.num_split_vertices - t.num_vertices;
         result.report = std::move(report_);
-        log(context_, LogLevel::kInfo, "reconstruct: {}; {} triangles, {} components, {} borders",
-            result.report.reason, t.num_triangles, t.num_components, t.num_boundary_loops);
-        report_progress(context_, kStage, 1.0);
         return result;
     }
 
@@ -293,13 +288,39 @@ class Stage {
     ReconstructReport report_;
 };
 
+// What follows from the mesh.
+void complete(ReconstructResult& result, std::size_t num_points, const Context& context) {
+    ReconstructReport& report = result.report;
+    const DenseMesh& surface = result.surface;
+    const Topology t = topology(surface.mesh.positions.size(), surface.mesh.triangles);
+    report.num_vertices = t.num_vertices;
+    report.num_triangles = t.num_triangles;
+    report.num_components = t.num_components;
+    report.num_boundary_loops = t.num_boundary_loops;
+    const Index num_used =
+        surface.vertex_points.empty() ? 0 : t.num_vertices - report.num_split_vertices;
+    report.num_unused = static_cast<Index>(num_points) - num_used;
+    log(context, LogLevel::kInfo, "reconstruct: {}; {} triangles, {} components, {} borders",
+        report.reason, t.num_triangles, t.num_components, t.num_boundary_loops);
+    report_progress(context, kStage, 1.0);
+}
+
 }  // namespace
+
+bool needs_normals(const ReconstructOptions& options) {
+    return options.method == Method::kImplicit ||
+           (options.method == Method::kAuto && !has_delaunay());
+}
 
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options,
                               const Context& context) {
     validate(options);
     check_positions(cloud);
-    return Stage(cloud, options, context).run();
+    ReconstructResult result = needs_normals(options)
+                                   ? run_implicit(cloud, options.surface, kMaxAdded, context)
+                                   : Stage(cloud, options, context).run();
+    complete(result, cloud.size(), context);
+    return result;
 }
 
 }  // namespace pointbake

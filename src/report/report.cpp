@@ -115,7 +115,9 @@ Json to_json(const TextureReport& r) {
 
 Json to_json(const DenoiseReport& r) {
     Json json = {{"noise_in_spacings", r.noise}, {"done", r.is_done}};
-    if (r.is_done) json.update({{"shift_rms", r.shift_rms}, {"shift_max", r.shift_max}});
+    if (r.is_done)
+        json.update(
+            {{"noise_left", r.noise_left}, {"shift_rms", r.shift_rms}, {"shift_max", r.shift_max}});
     return json;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -48,9 +49,11 @@ class Cleaning : public testing::Test {
     TemporaryFolder folder_;
 };
 
+/// Of a file of --write-points with double coordinates.
+constexpr std::size_t kRowBytes = 3 * sizeof(double) + 4 + 2;
+
 /// How often each reason stands in a file of --write-points with double coordinates.
 std::map<int, int> reasons(const std::string& ply) {
-    constexpr std::size_t kRowBytes = 3 * sizeof(double) + 4 + 2;
     std::map<int, int> counts;
     for (std::size_t at = ply.find("end_header\n") + 11; at < ply.size(); at += kRowBytes) {
         const int kept = ply[at + kRowBytes - 2], reason = ply[at + kRowBytes - 1];
@@ -171,6 +174,44 @@ TEST_F(Cleaning, LeavesPointsOfAGivenSurfaceAlone) {
     EXPECT_EQ(clean["outliers"], 0);
     EXPECT_EQ(clean["floating_points"], 0);
     EXPECT_EQ(clean["cropped"], 1);
+}
+
+/// An egg whose points lie a third of a spacing off it, the one half in, the other out.
+std::vector<Vec3d> rough_points() {
+    std::vector<Vec3d> points = egg_points(kSurface);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double off = 2.0 * static_cast<double>(i * 7919 % 1000) / 999.0 - 1.0;
+        points[i] = points[i] * (1.0 + 0.012 * off);
+    }
+    return points;
+}
+
+TEST_F(Cleaning, MovesNoisyPointsAndTellsByHowMuch) {
+    folder_.write("in.ply", ascii_ply(rough_points()));
+    const ProgramRun done = run({"--write-points", "rows.ply", "-v"});
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_THAT(done.err, HasSubstr("denoise: noise of 0."));
+    const Json denoise = Json::parse(done.out)["denoise"];
+    EXPECT_EQ(denoise["done"], true);
+    EXPECT_GT(denoise["noise_in_spacings"], 0.1);
+    EXPECT_LT(denoise["noise_left"], 0.1);
+    EXPECT_GT(denoise["shift_rms"], 0.001);
+    EXPECT_LT(denoise["shift_max"], 0.1);
+    // The rows stand where they were read.
+    const std::string rows = folder_.read("rows.ply");
+    const std::vector<Vec3d> read = rough_points();
+    std::size_t at = rows.find("end_header\n") + 11;
+    for (std::size_t i = 0; i < read.size(); ++i, at += kRowBytes) {
+        Vec3d written;
+        std::memcpy(&written, rows.data() + at, sizeof(written));
+        ASSERT_EQ(written, read[i]) << i;
+    }
+}
+
+TEST_F(Cleaning, LeavesNoiseWithDenoiseOff) {
+    folder_.write("in.ply", ascii_ply(rough_points()));
+    EXPECT_EQ(Json::parse(run({"--denoise", "off"}).out)["denoise"]["done"], false);
+    EXPECT_EQ(run({"--denoise", "maybe"}).exit_code, 2);
 }
 
 }  // namespace

@@ -1,0 +1,86 @@
+#include "reconstruct/implicit_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/message.h"
+#include "core/union_find.h"
+#include "reconstruct/implicit.h"
+
+namespace pointbake {
+namespace {
+
+// Sides of triangles that no other triangle has, in their triangle's direction.
+std::vector<std::pair<Index, Index>> border_sides(std::span<const Triangle> triangles) {
+    std::vector<std::pair<Index, Index>> sides;
+    for (const Triangle& t : triangles)
+        for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(t[k], t[(k + 1) % 3]);
+    std::vector<std::pair<Index, Index>> sorted = sides;
+    std::sort(sorted.begin(), sorted.end());
+    std::erase_if(sides, [&](const auto& s) {
+        return std::binary_search(sorted.begin(), sorted.end(), std::pair(s.second, s.first));
+    });
+    return sides;
+}
+
+double area_of(const Mesh& mesh) {
+    double area = 0.0;
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3d a = mesh.positions[t[0]];
+        area += 0.5 * length(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
+    }
+    return area;
+}
+
+// What flat lids on all borders would add, as a share of the closed surface.
+double share_of_lids(const Mesh& mesh) {
+    UnionFind loops(mesh.positions.size());
+    const auto sides = border_sides(mesh.triangles);
+    for (const auto& [a, b] : sides) loops.unite(a, b);
+    std::map<Index, Vec3d> lids;
+    for (const auto& [a, b] : sides) {
+        const Index loop = loops.find(a);
+        const Vec3d origin = mesh.positions[loop];
+        lids[loop] += cross(mesh.positions[a] - origin, mesh.positions[b] - origin) * 0.5;
+    }
+    double added = 0.0;
+    for (const auto& [loop, area] : lids) added += length(area);
+    return added > 0.0 ? added / (added + area_of(mesh)) : 0.0;
+}
+
+}  // namespace
+
+ReconstructResult run_implicit(const PointCloud& cloud, Surface wanted, double max_added,
+                               const Context& context) {
+    if (cloud.normals.size() != cloud.size() || cloud.areas.size() != cloud.size())
+        fail(ErrorCode::kInvalidInput, "the implicit method needs points with normals and areas");
+    std::vector<float> spacing(cloud.size());
+    std::transform(cloud.areas.begin(), cloud.areas.end(), spacing.begin(),
+                   [](float area) { return std::sqrt(area); });
+    const ImplicitInput input{cloud.positions, cloud.normals, spacing, cloud.noise};
+    ReconstructResult result;
+    ReconstructReport& report = result.report;
+    Mesh& mesh = result.surface.mesh;
+    bool is_closed = wanted == Surface::kWatertight;
+    if (!is_closed) mesh = implicit_surface(input, false, context);
+    if (wanted == Surface::kAuto) {
+        report.added_area_fraction = share_of_lids(mesh);
+        is_closed = report.added_area_fraction <= max_added;
+    }
+    if (is_closed) mesh = implicit_surface(input, true, context);
+    if (mesh.triangles.empty())
+        fail(ErrorCode::kDegenerate, "no surface found between the {} points", cloud.size());
+    report.surface = is_closed ? Surface::kWatertight : Surface::kOpen;
+    report.method = Method::kImplicit;
+    report.reason =
+        wanted == Surface::kAuto
+            ? fmt::format(
+                  "{}, implicit: lids on all borders add {:.2f} % of the area (at most "
+                  "{:.0f} % for a closed surface)",
+                  to_word(report.surface), 100 * report.added_area_fraction, 100 * max_added)
+            : fmt::format("{}, implicit: asked for", to_word(report.surface));
+    return result;
+}
+
+}  // namespace pointbake
