@@ -24,10 +24,11 @@ enum State : std::uint8_t { kNone = 0, kCandidate = 1, kKept = 2 };
 
 class Walker {
  public:
-    Walker(const Tetrahedra& tets, const Cocone& cocone, const Context& context)
+    Walker(const Tetrahedra& tets, const Cocone& cocone, bool is_noisy, const Context& context)
         : tets_(tets),
           spacing_(cocone.spacing),
           normals_(cocone.normals),
+          is_noisy_(is_noisy),
           context_(context),
           state_(tets.cells.size() * 4, kNone) {
         parallel_for(context, state_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -123,8 +124,8 @@ class Walker {
     }
 
     // Only points at a facet that went can have new hanging ones. From the second round on the
-    // umbrella must go around its point: a disc that has a gap since the round before must not give
-    // way to a sliver, or one gap after the other eats a noisy surface.
+    // umbrella of a noisy cloud must go around its point: a disc that has a gap since the round
+    // before must not give way to a sliver, or one gap after the other eats the surface.
     void prune() {
         std::vector<Index> todo(tets_.num_real());
         std::iota(todo.begin(), todo.end(), Index{0});
@@ -133,7 +134,7 @@ class Walker {
             parallel_for(context_, todo.size(), kGrain, [&](std::size_t begin, std::size_t end) {
                 std::vector<Spoke> spokes;
                 for (std::size_t k = begin; k < end; ++k)
-                    find_hanging(todo[k], round > 0, spokes, parts[begin / kGrain]);
+                    find_hanging(todo[k], is_noisy_ && round > 0, spokes, parts[begin / kGrain]);
             });
             todo.clear();
             for (const auto& part : parts) {
@@ -256,6 +257,7 @@ class Walker {
     const Tetrahedra& tets_;
     std::span<const float> spacing_;
     std::span<const Vec3d> normals_;
+    bool is_noisy_;
     const Context& context_;
     std::vector<std::uint8_t> state_;
     std::vector<Index> number_;
@@ -265,8 +267,9 @@ class Walker {
 
 }  // namespace
 
-FacetSurface extract_open(const Tetrahedra& tets, const Cocone& cocone, const Context& context) {
-    return Walker(tets, cocone, context).run();
+FacetSurface extract_open(const Tetrahedra& tets, const Cocone& cocone, bool is_noisy,
+                          const Context& context) {
+    return Walker(tets, cocone, is_noisy, context).run();
 }
 
 }  // namespace pointbake

@@ -8,7 +8,9 @@ namespace pointbake {
 
 /// Facets that hang over at points with a whole umbrella are pruned, then the surface is walked: at
 /// each edge the first facet on the walker's side is the neighbour and the others go. Slivers are
-/// so resolved to one side. At most two mates per edge.
-FacetSurface extract_open(const Tetrahedra& tets, const Cocone& cocone, const Context& context);
+/// so resolved to one side. At most two mates per edge. In a noisy cloud (`is_noisy`) umbrellas of
+/// slivers do not count as whole; in a clean one they may, as sheets close by are full of them.
+FacetSurface extract_open(const Tetrahedra& tets, const Cocone& cocone, bool is_noisy,
+                          const Context& context);
 
 }  // namespace pointbake

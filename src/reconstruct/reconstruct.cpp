@@ -36,6 +36,9 @@ constexpr double kMaxLost = 0.05;
 // multiple of the noise, from duplicates up to half a spacing.
 constexpr double kNearestPerNoise = 25.0, kLeastNearest = 0.02, kMostNearest = 0.5;
 
+// From here on a cloud is noisy, in spacings.
+constexpr double kLeastNoise = 0.045;
+
 bool is_closing(Method method) {
     return method == Method::kTightCocone || method == Method::kRobustCocone;
 }
@@ -155,7 +158,7 @@ class Stage {
         const Cocone cocone = find_cocone(tets_, context_);
         report_.num_flat = cocone.num_flat;
         report_progress(context_, kStage, 0.7);
-        FacetSurface surface = extract_open(tets_, cocone, context_);
+        FacetSurface surface = extract_open(tets_, cocone, cloud_.noise >= kLeastNoise, context_);
         report_progress(context_, kStage, 0.8);
         choose(cocone, surface);
         if (report_.surface == Surface::kOpen)

@@ -145,7 +145,8 @@ class RobustCoconeNoise : public testing::TestWithParam<NoisyCase> {};
 TEST_P(RobustCoconeNoise, KeepsTheShape) {
     const Shape shape = GetParam().shape();
     const double noise = 0.01 * GetParam().noise_percent;
-    const PointCloud cloud = noisy(shape.cloud, noise * shape.spacing);
+    PointCloud cloud = noisy(shape.cloud, noise * shape.spacing);
+    cloud.noise = noise;
     const ReconstructResult r = reconstruct(cloud, kRobust);
     const Mesh& mesh = r.surface.mesh;
     const Topology t = topology(mesh.positions.size(), mesh.triangles);
