@@ -1,4 +1,5 @@
-// What --surface auto makes of clouds whose answer a person would not doubt.
+// What surface comes of which cloud: what --surface auto makes of clouds whose answer a person
+// would not doubt, and that the density of the points does not matter.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/hash.h"
 #include "run_program.h"
 
 namespace pointbake::cli {
@@ -81,6 +83,40 @@ INSTANTIATE_TEST_SUITE_P(Clouds, AutoOnRealFiles,
                                          RealCase{"colored_points/lion_takanawa.ply", "open"},
                                          RealCase{"colored_points/o3d_livingroom_002.ply", "open"}),
                          [](const auto& c) { return fs::path(c.param.file).stem().string(); });
+
+/// Patches of full density among others with a sixteenth of it, as paint might have them.
+std::vector<Vec3d> uneven(const std::vector<Vec3d>& points) {
+    std::vector<Vec3d> some;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3d p = points[i];
+        const bool is_dense = std::sin(6 * p.x) * std::sin(5 * p.y + 1) * std::sin(7 * p.z) > 0.0;
+        if (is_dense || hash64(i) % 16 == 0) some.push_back(p);
+    }
+    return some;
+}
+
+TEST(Density, DoesNotShapeTheMesh) {
+    TemporaryFolder folder;
+    folder.write("even.ply", ascii_ply(egg_points(40000)));
+    folder.write("uneven.ply", ascii_ply(uneven(egg_points(80000))));
+    const auto mesh_of = [&](const std::string& name) {
+        const ProgramRun done = run_program(folder, {name + ".ply", "-o", name + "-mesh.ply",
+                                                     "--stop-after", "simplify", "--report", "-"});
+        EXPECT_EQ(done.exit_code, 0) << done.err;
+        return Json::parse(done.out);
+    };
+    const Json even = mesh_of("even"), other = mesh_of("uneven");
+    EXPECT_EQ(other["reconstruct"]["surface"], "watertight");
+    const double triangles = even["simplify"]["triangles"];
+    EXPECT_NEAR(other["simplify"]["triangles"].get<double>(), triangles, 0.1 * triangles);
+    // The even points lie within both bounds of the mesh of the others.
+    const ProgramRun held =
+        run_program(folder, {"even.ply", "-o", "held.ply", "--mesh", "uneven-mesh.ply",
+                             "--keep-mesh", "--stop-after", "simplify", "--report", "-"});
+    ASSERT_EQ(held.exit_code, 0) << held.err;
+    const double farthest = Json::parse(held.out)["simplify"]["points_to_mesh"]["max"];
+    EXPECT_LT(farthest, 2.0 * even["simplify"]["bound"].get<double>());
+}
 
 }  // namespace
 }  // namespace pointbake::cli
