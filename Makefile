@@ -1,5 +1,5 @@
 # make demo   install what is missing, build, convert the model that the program makes itself
-# make test   install what is missing, build, run every test
+# make test   install what is missing, build, run every test, and those that depend on the method without CGAL
 # make browser-test   the same for what a browser shows of the textures (10 models, half an hour); not part of make test
 # make quick-bench   two public cases of the quality bench, without baseline
 
@@ -23,6 +23,9 @@ test:
 	@cmake --preset release -DPOINTBAKE_TESTS=ON > build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
 	@cmake --build --preset release
 	@ctest --preset release
+	@cmake --preset no-cgal -DPOINTBAKE_TESTS=ON > build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+	@cmake --build --preset no-cgal --target pointbake_cli cli_test without_cgal_test
+	@ctest --preset no-cgal
 
 browser-test: build
 	@tools/setup.sh browser

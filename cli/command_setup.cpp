@@ -31,7 +31,8 @@ bool read_line(std::span<const std::string> words, const CommandText& text, Opti
     if (line.wants_help)
         print_data(help);
     else if (line.wants_version)
-        print_data(fmt::format("pointbake {}\n", version()));
+        print_data(fmt::format("pointbake {}{}\n", version(),
+                               is_available(Method::kCocone) ? "" : ", built without CGAL"));
     else if (line.wants_dump)
         print_data(table.dump(false) + "\n");
     return !line.wants_help && !line.wants_version && !line.wants_dump;

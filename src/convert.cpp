@@ -173,6 +173,7 @@ void validate(const ConvertOptions& options) {
         fail(ErrorCode::kInvalidOption, "mips is {}: 0 to {} are accepted", options.texture.mips,
              kMostMips);
     validate(options.clean);
+    validate(options.reconstruct);
     validate(options.simplify);
     // Refuses sides and budgets that no page can have.
     constexpr std::uint64_t kSmallestPage = 64 * 64;

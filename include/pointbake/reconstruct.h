@@ -66,6 +66,13 @@ struct ReconstructResult {
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
                               const Context& context = {});
 
+/// False for the Cocone family in builds without CGAL (-DPOINTBAKE_CGAL=OFF).
+bool is_available(Method method);
+
+/// Throws Error{kInvalidOption} for a method that does not make the surface asked for or that this
+/// build lacks; nothing is said about a given surface, which no method makes.
+void validate(const ReconstructOptions& options);
+
 /// The implicit method works from oriented normals and areas: as asked for, and for `auto` in
 /// builds without a triangulation.
 bool needs_normals(const ReconstructOptions& options);

@@ -43,19 +43,6 @@ bool is_closing(Method method) {
     return method == Method::kTightCocone || method == Method::kRobustCocone;
 }
 
-void validate(const ReconstructOptions& options) {
-    if (options.surface == Surface::kGiven)
-        fail(ErrorCode::kInvalidOption,
-             "surface 'given' takes the faces of the file: there is nothing to reconstruct; use "
-             "auto, open or watertight");
-    if ((options.surface == Surface::kOpen && is_closing(options.method)) ||
-        (options.surface == Surface::kWatertight && options.method == Method::kCocone))
-        fail(ErrorCode::kInvalidOption,
-             "method '{}' does not make a surface that is '{}': cocone is for open surfaces, "
-             "tight-cocone and robust-cocone for watertight ones",
-             to_word(options.method), to_word(options.surface));
-}
-
 Surface wanted_surface(const ReconstructOptions& options) {
     if (options.method == Method::kCocone) return Surface::kOpen;
     return is_closing(options.method) ? Surface::kWatertight : options.surface;
@@ -310,6 +297,25 @@ void complete(ReconstructResult& result, std::size_t num_points, const Context& 
 
 }  // namespace
 
+bool is_available(Method method) {
+    return method == Method::kAuto || method == Method::kImplicit || has_delaunay();
+}
+
+void validate(const ReconstructOptions& options) {
+    if (options.surface == Surface::kGiven) return;
+    if ((options.surface == Surface::kOpen && is_closing(options.method)) ||
+        (options.surface == Surface::kWatertight && options.method == Method::kCocone))
+        fail(ErrorCode::kInvalidOption,
+             "method '{}' does not make a surface that is '{}': cocone is for open surfaces, "
+             "tight-cocone and robust-cocone for watertight ones",
+             to_word(options.method), to_word(options.surface));
+    if (!is_available(options.method))
+        fail(ErrorCode::kInvalidOption,
+             "method '{}' needs CGAL's triangulation, and this program is built without it: use "
+             "implicit or auto, or build with -DPOINTBAKE_CGAL=ON",
+             to_word(options.method));
+}
+
 bool needs_normals(const ReconstructOptions& options) {
     return options.method == Method::kImplicit ||
            (options.method == Method::kAuto && !has_delaunay());
@@ -317,6 +323,10 @@ bool needs_normals(const ReconstructOptions& options) {
 
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options,
                               const Context& context) {
+    if (options.surface == Surface::kGiven)
+        fail(ErrorCode::kInvalidOption,
+             "surface 'given' takes the faces of the file: there is nothing to reconstruct; use "
+             "auto, open or watertight");
     validate(options);
     check_positions(cloud);
     ReconstructResult result = needs_normals(options)

@@ -40,6 +40,7 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"in.ply", "--texture-error", "-3"}, "texture-error is -3"},
         {{"in.ply", "o.glb", "--mesh", "in.ply", "--keep-mesh", "--triangles", "5"}, "--triangles"},
         {{"in.ply", "--surface", "closed"}, "watertight"},
+        {{"in.ply", "--surface", "open", "--method", "tight-cocone"}, "tight-cocone"},
         {{"in.ply", "out.stl"}, ".glb"},
         {{"in.ply", "in.ply"}, "is an input"},
         {{"in.ply", "-o", "in.ply"}, "is an input"},
@@ -72,6 +73,29 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
     }
     EXPECT_THAT(folder.files(), testing::ElementsAre("in.ply"));
     EXPECT_EQ(folder.read("in.ply"), input);
+}
+
+TEST(Usage, MethodsThatTheProgramIsBuiltWithoutAreExitTwoAndTheOthersConvert) {
+    const TemporaryFolder folder;
+    folder.write("in.ply", ascii_ply(egg_points(2000)));
+    const ProgramRun version = run_program(folder, {"--version"});
+    const bool has_cgal = version.out.find("without CGAL") == std::string::npos;
+    for (const char* method : {"cocone", "tight-cocone", "robust-cocone"}) {
+        const ProgramRun run =
+            run_program(folder, {"in.ply", "out.glb", "--method", method, "--triangles", "100"});
+        EXPECT_EQ(run.exit_code, has_cgal ? 0 : 2) << method << run.err;
+        if (!has_cgal) {
+            EXPECT_THAT(run.err, AllOf(HasSubstr("'" + std::string(method) + "' needs CGAL"),
+                                       HasSubstr("implicit")));
+        }
+        EXPECT_EQ(std::filesystem::exists(folder / "out.glb"), has_cgal);
+    }
+    for (const char* surface : {"auto", "open", "watertight"})
+        for (const char* method : {"auto", "implicit"}) {
+            const ProgramRun run = run_program(folder, {"in.ply", "out.glb", "--method", method,
+                                                        "--surface", surface, "--triangles", "99"});
+            EXPECT_EQ(run.exit_code, 0) << surface << method << run.err;
+        }
 }
 
 TEST(Usage, DumpedOptionsAreAConfigThatGivesThem) {
