@@ -16,6 +16,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/morton.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
 
@@ -60,24 +61,14 @@ double squared_distance(const Box& a, Vec3d p) {
            squared(gap(a.low.z - p.z, a.high.z - p.z));
 }
 
-// Spreads the lowest 21 bits to every third bit.
-std::uint64_t spread(std::uint64_t v) {
-    v &= 0x1fffff;
-    v = (v | v << 32) & 0x1f00000000ffff;
-    v = (v | v << 16) & 0x1f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
-}
-
 // Morton code of a place on a grid anchored at the origin, so that the order of two points does not
 // depend on the others. Coordinates wrap around: that costs speed alone.
 std::uint64_t morton(Vec3d p, double cells_per_unit) {
     const auto cell = [&](double v) {
-        return spread(
-            static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v * cells_per_unit))));
+        return static_cast<std::uint64_t>(
+            static_cast<std::int64_t>(std::floor(v * cells_per_unit)));
     };
-    return cell(p.x) | cell(p.y) << 1 | cell(p.z) << 2;
+    return morton_code(cell(p.x), cell(p.y), cell(p.z));
 }
 
 }  // namespace

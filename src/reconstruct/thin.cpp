@@ -8,6 +8,7 @@
 #include "core/kdtree.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
+#include "reconstruct/tetrahedra.h"
 
 namespace pointbake {
 namespace {
@@ -107,7 +108,14 @@ class Thinner {
 }  // namespace
 
 std::vector<Index> thin(std::span<const Vec3d> points, double share, const Context& context) {
-    return Thinner(points, share, context).run();
+    // Searches one after the other walk through the same part of the tree.
+    const std::vector<Index> order = order_by_place(points, context);
+    std::vector<Vec3d> sorted(points.size());
+    for (std::size_t i = 0; i < sorted.size(); ++i) sorted[i] = points[order[i]];
+    std::vector<Index> kept = Thinner(sorted, share, context).run();
+    for (Index& i : kept) i = order[i];
+    std::sort(kept.begin(), kept.end());
+    return kept;
 }
 
 }  // namespace pointbake
