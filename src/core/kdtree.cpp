@@ -3,7 +3,6 @@
 // the tree; here the lower index stays.
 #include "core/kdtree.h"
 
-#include <algorithm>
 #include <limits>
 #include <nanoflann.hpp>
 
@@ -16,9 +15,6 @@ constexpr std::size_t kLeafSize = 16;
 // The tree adds up its lower bounds in another order than a distance is added up. They may lie
 // above the distance by some units in the last place; the search reaches that much farther.
 constexpr double kBoundSlack = 1.0 + 1e-12;
-
-// Neighbours from which on a heap keeps them.
-constexpr std::size_t kHeapFrom = 40;
 
 struct Points {
     std::span<const Vec3d> positions;
@@ -65,45 +61,6 @@ class NearestSet {
     double bound_ = std::numeric_limits<double>::infinity();
 };
 
-/// The same for many points: moving them about in order would take most of the time.
-class NearestHeap {
- public:
-    explicit NearestHeap(std::span<Neighbor> items) : items_(items) {}
-
-    std::size_t size() const { return count_; }
-    bool full() const { return count_ == items_.size(); }
-    double worstDist() const { return bound_; }
-
-    bool addPoint(double squared_distance, Index index) {
-        const Neighbor candidate{index, squared_distance};
-        if (!full()) {
-            items_[count_++] = candidate;
-            std::push_heap(items_.begin(), end(), is_closer);
-        } else if (is_closer(candidate, items_.front())) {
-            std::pop_heap(items_.begin(), end(), is_closer);
-            items_.back() = candidate;
-            std::push_heap(items_.begin(), end(), is_closer);
-        } else {
-            return true;
-        }
-        if (full())
-            bound_ =
-                items_.front().squared_distance * kBoundSlack + std::numeric_limits<double>::min();
-        return true;
-    }
-
-    void sort() { std::sort_heap(items_.begin(), end(), is_closer); }
-
- private:
-    std::span<Neighbor>::iterator end() const {
-        return items_.begin() + static_cast<std::ptrdiff_t>(count_);
-    }
-
-    std::span<Neighbor> items_;
-    std::size_t count_ = 0;
-    double bound_ = std::numeric_limits<double>::infinity();
-};
-
 using Tree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points, double, Index>,
                                         Points, 3, Index>;
@@ -125,14 +82,8 @@ KdTree::KdTree(KdTree&&) noexcept = default;
 
 std::span<Neighbor> KdTree::nearest(Vec3d query, std::span<Neighbor> out) const {
     if (out.empty() || impl_->points.positions.empty()) return out.first(0);
-    const double coordinates[3] = {query.x, query.y, query.z};
-    if (out.size() >= kHeapFrom) {
-        NearestHeap found(out);
-        impl_->tree.findNeighbors(found, coordinates, nanoflann::SearchParams());
-        found.sort();
-        return out.first(found.size());
-    }
     NearestSet found(out);
+    const double coordinates[3] = {query.x, query.y, query.z};
     impl_->tree.findNeighbors(found, coordinates, nanoflann::SearchParams());
     return out.first(found.size());
 }
