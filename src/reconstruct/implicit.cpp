@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -48,13 +49,11 @@ bool is_trusted(const FieldSample& s, double noise) {
            std::abs(s.value) <= (kTrustedHeight + static_cast<float>(noise)) * s.spacing;
 }
 
-class ImplicitSurface {
+class Extraction {
  public:
-    ImplicitSurface(const SignedDistance& field, bool is_closed, const Context& context)
-        : field_(field),
-          is_closed_(is_closed),
-          context_(context),
-          sampled_(sample_adaptively(field, context)) {}
+    Extraction(const SignedDistance& field, const FieldGrid& sampled, bool is_closed,
+               const Context& context)
+        : field_(field), is_closed_(is_closed), context_(context), sampled_(sampled) {}
 
     Mesh run() {
         assign_values();
@@ -181,17 +180,33 @@ class ImplicitSurface {
     const SignedDistance& field_;
     bool is_closed_;
     const Context& context_;
-    FieldGrid sampled_;
+    const FieldGrid& sampled_;
     std::vector<float> values_;
     std::vector<std::uint8_t> is_trusted_;
 };
 
 }  // namespace
 
+struct ImplicitSurface::Sampled {
+    SignedDistance field;
+    FieldGrid grid;
+};
+
+ImplicitSurface::ImplicitSurface(const ImplicitInput& input, const Context& context) {
+    SignedDistance field(input.points, input.normals, input.spacing, input.noise, context);
+    if (field.size() == 0) return;
+    FieldGrid grid = sample_adaptively(field, context);
+    sampled_ = std::make_unique<Sampled>(Sampled{std::move(field), std::move(grid)});
+}
+ImplicitSurface::~ImplicitSurface() = default;
+
+Mesh ImplicitSurface::mesh(bool is_closed, const Context& context) const {
+    if (!sampled_) return {};
+    return Extraction(sampled_->field, sampled_->grid, is_closed, context).run();
+}
+
 Mesh implicit_surface(const ImplicitInput& input, bool is_closed, const Context& context) {
-    const SignedDistance field(input.points, input.normals, input.spacing, input.noise, context);
-    if (field.size() == 0) return {};
-    return ImplicitSurface(field, is_closed, context).run();
+    return ImplicitSurface(input, context).mesh(is_closed, context);
 }
 
 }  // namespace pointbake

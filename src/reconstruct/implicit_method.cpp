@@ -63,12 +63,13 @@ ReconstructResult run_implicit(const PointCloud& cloud, Surface wanted, double m
     ReconstructReport& report = result.report;
     Mesh& mesh = result.surface.mesh;
     bool is_closed = wanted == Surface::kWatertight;
-    if (!is_closed) mesh = implicit_surface(input, false, context);
+    const ImplicitSurface surface(input, context);
+    if (!is_closed) mesh = surface.mesh(false, context);
     if (wanted == Surface::kAuto) {
         report.added_area_fraction = share_of_lids(mesh);
         is_closed = report.added_area_fraction <= max_added;
     }
-    if (is_closed) mesh = implicit_surface(input, true, context);
+    if (is_closed) mesh = surface.mesh(true, context);
     if (mesh.triangles.empty())
         fail(ErrorCode::kDegenerate, "no surface found between the {} points", cloud.size());
     report.surface = is_closed ? Surface::kWatertight : Surface::kOpen;

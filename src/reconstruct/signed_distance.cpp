@@ -16,6 +16,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/morton.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
 
@@ -60,24 +61,14 @@ double squared_distance(const Box& a, Vec3d p) {
            squared(gap(a.low.z - p.z, a.high.z - p.z));
 }
 
-// Spreads the lowest 21 bits to every third bit.
-std::uint64_t spread(std::uint64_t v) {
-    v &= 0x1fffff;
-    v = (v | v << 32) & 0x1f00000000ffff;
-    v = (v | v << 16) & 0x1f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
-}
-
 // Morton code of a place on a grid anchored at the origin, so that the order of two points does not
 // depend on the others. Coordinates wrap around: that costs speed alone.
 std::uint64_t morton(Vec3d p, double cells_per_unit) {
     const auto cell = [&](double v) {
-        return spread(
-            static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v * cells_per_unit))));
+        return static_cast<std::uint64_t>(
+            static_cast<std::int64_t>(std::floor(v * cells_per_unit)));
     };
-    return cell(p.x) | cell(p.y) << 1 | cell(p.z) << 2;
+    return morton_code(cell(p.x), cell(p.y), cell(p.z));
 }
 
 }  // namespace
@@ -135,7 +126,9 @@ SignedDistance::Node SignedDistance::leaf_node(std::size_t leaf) const {
     const std::size_t end = std::min(points_.size(), (leaf + 1) * kLeafSize);
     for (std::size_t i = leaf * kLeafSize; i < end; ++i) {
         node.box.extend(points_[i].position);
-        node.reach = std::max(node.reach, reach_ * points_[i].spacing);
+        const float reach = reach_ * points_[i].spacing;
+        node.reach = std::max(node.reach, reach);
+        node.least_reach = i == leaf * kLeafSize ? reach : std::min(node.least_reach, reach);
     }
     return node;
 }
@@ -149,8 +142,10 @@ void SignedDistance::build_tree(const Context& context) {
     for (std::size_t k = num_leaves_ - 1; k-- > 0;) {
         const Node &a = nodes_[2 * k + 1], &b = nodes_[2 * k + 2];
         nodes_[k] = a;
-        if (!b.box.is_empty()) nodes_[k].box.extend(b.box.low), nodes_[k].box.extend(b.box.high);
+        if (b.box.is_empty()) continue;
+        nodes_[k].box.extend(b.box.low), nodes_[k].box.extend(b.box.high);
         nodes_[k].reach = std::max(a.reach, b.reach);
+        nodes_[k].least_reach = std::min(a.least_reach, b.least_reach);
     }
 }
 
@@ -177,14 +172,19 @@ void SignedDistance::visit(IsNear&& is_near, Visit&& visit_point) const {
     }
 }
 
-bool SignedDistance::has_point_within(Vec3d place, double radius) const {
+bool SignedDistance::has_point_within(Vec3d place, double radius, double most_reach) const {
     const double radius2 = radius * radius;
     bool found = false;
-    visit([&](const Node& node) { return squared_distance(node.box, place) <= radius2; },
-          [&](const Point& p) {
-              found = squared_length(p.position - place) <= radius2;
-              return !found;
-          });
+    visit(
+        [&](const Node& node) {
+            return double{node.least_reach} <= most_reach &&
+                   squared_distance(node.box, place) <= radius2;
+        },
+        [&](const Point& p) {
+            found = squared_length(p.position - place) <= radius2 &&
+                    double{reach_ * p.spacing} <= most_reach;
+            return !found;
+        });
     return found;
 }
 
@@ -198,17 +198,27 @@ class SignedDistance::Cursor {
     std::span<const Near> near(Vec3d place) {
         const Vec3d d = place - center_;
         if (!(std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= half_)) move_to(place);
-        near_.clear();
-        for (const Point& p : around_) {
+        // All are written, those out of reach over by the next: no branch to guess.
+        near_.resize(around_.size() + 1);
+        std::size_t count = 0;
+        for (const Around& p : around_) {
             const Vec3f offset = vec_cast<float>(place - p.position);
-            const float q = squared_length(offset) / square(field_.reach_ * p.spacing);
-            if (q < 1.0F)
-                near_.push_back({offset, p.normal, p.spacing, 1.0F / square(p.spacing), q});
+            const float q = squared_length(offset) * p.per_reach2;
+            near_[count] = {offset, p.normal, p.spacing, p.fineness, q};
+            count += q < 1.0F ? 1 : 0;
         }
+        near_.resize(count);
         return near_;
     }
 
  private:
+    struct Around {
+        Vec3d position;
+        Vec3f normal;
+        float spacing, fineness;
+        float per_reach2;  ///< one over the squared reach
+    };
+
     // Edge of the cube in reaches, at most: places per cube against points around it.
     static constexpr double kEdge = 2.4;
 
@@ -224,7 +234,7 @@ class SignedDistance::Cursor {
             const Vec3d corner{low(place.x), low(place.y), low(place.z)};
             gather({corner, corner + Vec3d{edge, edge, edge}});
             if (around_.empty()) return;
-            const auto finest = std::ranges::min_element(around_, {}, &Point::spacing);
+            const auto finest = std::ranges::min_element(around_, {}, &Around::spacing);
             last_reach_ = double{field_.reach_} * finest->spacing;
             if (last_reach_ >= 0.5 * reach) return;
         }
@@ -240,7 +250,9 @@ class SignedDistance::Cursor {
             },
             [&](const Point& p) {
                 const double reach = double{field_.reach_} * p.spacing;
-                if (squared_distance(cube, p.position) < reach * reach) around_.push_back(p);
+                if (squared_distance(cube, p.position) < reach * reach)
+                    around_.push_back({p.position, p.normal, p.spacing, 1.0F / square(p.spacing),
+                                       1.0F / square(field_.reach_ * p.spacing)});
                 return true;
             });
     }
@@ -249,7 +261,7 @@ class SignedDistance::Cursor {
     Vec3d center_;
     double half_ = -1.0;
     double last_reach_;  ///< of the finest point around the last cube that had any
-    std::vector<Point> around_;
+    std::vector<Around> around_;
     std::vector<Near> near_;
 };
 
@@ -323,13 +335,14 @@ FieldSample SignedDistance::describe(std::span<const Near> near, const Fit& fit)
 }
 
 /// Points much finer than those in reach may be nearer and yet not reach the place: then the
-/// others, which end somewhere before them, are no guide.
+/// others, which end somewhere before them, are no guide. Only one whose reach is shorter than the
+/// distance can be nearer and not reach the place.
 bool SignedDistance::is_overreached(Vec3d place, std::span<const Near> near) const {
     const auto distance2 = [](const Near& p) { return squared_length(p.offset); };
     const Near& nearest = *std::ranges::min_element(near, {}, distance2);
     const double distance = length(nearest.offset);
     return distance > kSureDistance * nearest.spacing &&
-           has_point_within(place, kNearerShare * distance);
+           has_point_within(place, kNearerShare * distance, distance);
 }
 
 FieldSample SignedDistance::describe(Vec3d place, std::span<const Near> near) const {

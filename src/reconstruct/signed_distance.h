@@ -1,6 +1,7 @@
 // The signed distance to the surface that oriented, noisy points sample.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -31,8 +32,9 @@ class SignedDistance {
     /// At each place; fastest where places are near each other. O(log n + points within reach)
     /// each; about 70 are, without noise.
     std::vector<FieldSample> at(std::span<const Vec3d> places) const;
-    /// Whether a point lies within the radius. O(log n) where one does or none is near.
-    bool has_point_within(Vec3d place, double radius) const;
+    /// Whether a point lies within the radius, of those that do not reach farther than
+    /// `most_reach`. O(log n) where one does or none is near.
+    bool has_point_within(Vec3d place, double radius, double most_reach = HUGE_VAL) const;
 
     std::size_t size() const { return points_.size(); }
     double noise() const { return noise_; }
@@ -46,8 +48,9 @@ class SignedDistance {
         float spacing;
     };
     struct Node {
-        Box box;             ///< around the points
-        float reach = 0.0F;  ///< the largest of theirs
+        Box box;                   ///< around the points
+        float reach = 0.0F;        ///< the largest of theirs
+        float least_reach = 0.0F;  ///< the smallest of theirs
     };
     struct Near {
         Vec3f offset;  ///< from the point to the place

@@ -23,6 +23,7 @@ float measure(const Tetrahedra& tets, Index v) {
         for (Index q : tets.cells[c]) {
             if (q == v || tets.is_far(q)) continue;
             const std::pair entry(squared_length(tets.points[q] - tets.points[v]), q);
+            if (count == kSpacingRank && entry.first > nearest.back().first) continue;
             const auto end = nearest.begin() + static_cast<std::ptrdiff_t>(count);
             const auto place = std::lower_bound(nearest.begin(), end, entry);
             if (place == nearest.end() || (place != end && *place == entry)) continue;

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/morton.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
 #include "reconstruct/delaunay.h"
@@ -23,46 +24,6 @@ constexpr std::array<Vec3d, 20> kFarDirections{
 constexpr double kFarRadius = 10.0;
 constexpr std::size_t kGrain = 1U << 14;
 constexpr unsigned kMortonBits = 21;
-
-// Spreads the lowest 21 bits to every third bit.
-std::uint64_t spread(std::uint64_t v) {
-    v &= 0x1fffff;
-    v = (v | v << 32) & 0x1f00000000ffff;
-    v = (v | v << 16) & 0x1f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
-}
-
-struct Keyed {
-    std::uint64_t code;
-    Index id;
-};
-
-// Morton order, ties by coordinates, equal points by index.
-std::vector<Keyed> sorted_points(std::span<const Vec3d> points, const Box& box,
-                                 const Context& context) {
-    const Vec3d extent = box.extent();
-    const double longest = std::max({extent.x, extent.y, extent.z});
-    constexpr double kTop = (1U << kMortonBits) - 1;
-    const double scale = longest > 0 ? kTop / longest : 0.0;
-    std::vector<Keyed> keys(points.size());
-    parallel_for(context, points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d q = (points[i] - box.low) * scale;
-            keys[i] = {spread(static_cast<std::uint64_t>(q.x)) |
-                           spread(static_cast<std::uint64_t>(q.y)) << 1 |
-                           spread(static_cast<std::uint64_t>(q.z)) << 2,
-                       static_cast<Index>(i)};
-        }
-    });
-    parallel_sort(context, keys, [&](const Keyed& a, const Keyed& b) {
-        if (a.code != b.code) return a.code < b.code;
-        const Vec3d &p = points[a.id], &q = points[b.id];
-        return std::tie(p.x, p.y, p.z, a.id) < std::tie(q.x, q.y, q.z, b.id);
-    });
-    return keys;
-}
 
 void build_stars(Tetrahedra& tets) {
     tets.star_begin.assign(tets.points.size() + 1, 0);
@@ -97,16 +58,46 @@ Turn next_turn(const Tetrahedra& tets, const Turn& turn) {
     return {cell, tets.slot(cell, turn.third), tets.cells[cell][entered % 4]};
 }
 
+std::vector<Index> order_by_place(std::span<const Vec3d> points, const Context& context) {
+    struct Keyed {
+        std::uint64_t code;
+        Index id;
+    };
+    Box box;
+    for (const Vec3d& p : points) box.extend(p);
+    const Vec3d extent = box.extent();
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    constexpr double kTop = (1U << kMortonBits) - 1;
+    const double scale = longest > 0 ? kTop / longest : 0.0;
+    std::vector<Keyed> keys(points.size());
+    parallel_for(context, points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3d q = (points[i] - box.low) * scale;
+            keys[i] = {morton_code(static_cast<std::uint64_t>(q.x), static_cast<std::uint64_t>(q.y),
+                                   static_cast<std::uint64_t>(q.z)),
+                       static_cast<Index>(i)};
+        }
+    });
+    parallel_sort(context, keys, [&](const Keyed& a, const Keyed& b) {
+        if (a.code != b.code) return a.code < b.code;
+        const Vec3d &p = points[a.id], &q = points[b.id];
+        return std::tie(p.x, p.y, p.z, a.id) < std::tie(q.x, q.y, q.z, b.id);
+    });
+    std::vector<Index> order(points.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = keys[i].id;
+    return order;
+}
+
 Tetrahedra tetrahedralize(std::span<const Vec3d> points, const Context& context) {
     Box box;
     for (const Vec3d& p : points) box.extend(p);
     Tetrahedra tets;
     tets.points.reserve(points.size() + kFarDirections.size());
     tets.point_ids.reserve(points.size());
-    for (const Keyed& key : sorted_points(points, box, context)) {
-        if (!tets.points.empty() && tets.points.back() == points[key.id]) continue;
-        tets.points.push_back(points[key.id]);
-        tets.point_ids.push_back(key.id);
+    for (const Index id : order_by_place(points, context)) {
+        if (!tets.points.empty() && tets.points.back() == points[id]) continue;
+        tets.points.push_back(points[id]);
+        tets.point_ids.push_back(id);
     }
     const double radius = kFarRadius * 0.5 * box.diagonal();
     for (const Vec3d& d : kFarDirections) tets.points.push_back(box.center() + d * radius);

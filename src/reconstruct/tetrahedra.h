@@ -81,6 +81,9 @@ Turn first_turn(const Tetrahedra& tets, HalfFacet facet, std::size_t edge);
 /// Through the exit into the next cell around the same edge; there must be one.
 Turn next_turn(const Tetrahedra& tets, const Turn& turn);
 
+/// Ids along a Morton curve, ties by coordinates, equal points by id.
+std::vector<Index> order_by_place(std::span<const Vec3d> points, const Context& context);
+
 /// Sorts, merges equal points, adds the far ones, tetrahedralizes. Throws as delaunay() does.
 Tetrahedra tetrahedralize(std::span<const Vec3d> points, const Context& context);
 

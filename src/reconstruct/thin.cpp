@@ -8,6 +8,7 @@
 #include "core/kdtree.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
+#include "reconstruct/tetrahedra.h"
 
 namespace pointbake {
 namespace {
@@ -32,10 +33,12 @@ class Thinner {
     std::vector<Index> run() {
         find_reach();
         find_rivals();
-        std::vector<Ranked> order(points_.size());
-        for (Index i = 0; i < order.size(); ++i) order[i] = {hash_of(points_[i]), i};
+        std::vector<Ranked> order;
+        for (Index i = 0; i < points_.size(); ++i)
+            if (!rivals_of(i).empty()) order.push_back({hash_of(points_[i]), i});
         parallel_sort(context_, order);
-        std::vector<std::uint8_t> is_kept(points_.size(), 0);
+        std::vector<std::uint8_t> is_kept(points_.size(), 1);
+        for (const Ranked& r : order) is_kept[r.point] = 0;
         for (const Ranked& r : order) {
             const auto rivals = rivals_of(r.point);
             is_kept[r.point] = std::none_of(rivals.begin(), rivals.end(),
@@ -52,6 +55,7 @@ class Thinner {
 
     void find_reach() {
         reach2_.resize(points_.size());
+        may_have_rivals_.resize(points_.size());
         parallel_for(context_, points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
             Buffer buffer;
             for (std::size_t i = begin; i < end; ++i) {
@@ -59,11 +63,14 @@ class Thinner {
                 const double density =
                     static_cast<double>(std::max<std::size_t>(found.size(), 2) - 1);
                 reach2_[i] = share_ * share_ * kPi * found.back().squared_distance / density;
+                // The first one is the point, or one in the same place.
+                may_have_rivals_[i] =
+                    found.size() > 1 && found[1].squared_distance < reach2_[i] ? 1 : 0;
             }
         });
     }
 
-    // Per point those that are too near for both to stay.
+    // Per point those that are too near for both to stay. Few points have any.
     void find_rivals() {
         const std::size_t num_chunks = (points_.size() + kGrain - 1) / kGrain;
         std::vector<std::vector<Index>> found_in(num_chunks);
@@ -72,6 +79,7 @@ class Thinner {
             Buffer buffer;
             std::vector<Index>& rivals = found_in[begin / kGrain];
             for (std::size_t i = begin; i < end; ++i) {
+                if (may_have_rivals_[i] == 0) continue;
                 const std::size_t before = rivals.size();
                 for (const Neighbor& n : tree_.nearest(points_[i], buffer))
                     if (n.index != i && n.squared_distance < std::min(reach2_[i], reach2_[n.index]))
@@ -93,13 +101,21 @@ class Thinner {
     const Context& context_;
     KdTree tree_;
     std::vector<double> reach2_;
+    std::vector<std::uint8_t> may_have_rivals_;
     std::vector<Index> rivals_begin_, rivals_;
 };
 
 }  // namespace
 
 std::vector<Index> thin(std::span<const Vec3d> points, double share, const Context& context) {
-    return Thinner(points, share, context).run();
+    // Searches one after the other walk through the same part of the tree.
+    const std::vector<Index> order = order_by_place(points, context);
+    std::vector<Vec3d> sorted(points.size());
+    for (std::size_t i = 0; i < sorted.size(); ++i) sorted[i] = points[order[i]];
+    std::vector<Index> kept = Thinner(sorted, share, context).run();
+    for (Index& i : kept) i = order[i];
+    std::sort(kept.begin(), kept.end());
+    return kept;
 }
 
 }  // namespace pointbake
