@@ -1,6 +1,7 @@
 // Stage 3: points become a dense triangle mesh, over (a subset of) them or between them.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "pointbake/context.h"
@@ -24,6 +25,7 @@ struct EnumWords<Method> {
 struct ReconstructOptions {
     Surface surface = Surface::kAuto;
     Method method = Method::kAuto;
+    std::optional<Length> fill_holes = {};
     template <class Field>
     static void describe(Field&& field) {
         field("surface", &ReconstructOptions::surface,
@@ -32,6 +34,10 @@ struct ReconstructOptions {
             "method", &ReconstructOptions::method,
             "how it is found: cocone (open), tight-cocone (watertight), robust-cocone (watertight, "
             "around the noise), implicit (open or watertight, between the points), or auto");
+        field(
+            "fill-holes", &ReconstructOptions::fill_holes,
+            "open surfaces: fill holes of at most this diameter, in the file's unit, as 2mm or as "
+            "1% of the diagonal; 0 fills none (default: gaps of about 6 spacings)");
     }
 };
 
@@ -47,6 +53,7 @@ struct ReconstructReport {
     Index num_left_out = 0;            ///< points that Robust Cocone finds inside the noise
     Index num_thinned = 0;             ///< points too near to others to be vertices as well
     Index num_unused = 0;              ///< points that are no vertex of the surface, thinned or not
+    Index num_holes_filled = 0;        ///< borders closed of an open surface
     Index num_split_vertices = 0;      ///< copies made so that the surface is 2-manifold
     double added_area_fraction = 0.0;  ///< share of the watertight surface that Cocone did not find
 };
