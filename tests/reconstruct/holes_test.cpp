@@ -88,11 +88,11 @@ TEST(Holes, OfSizeZeroAreNone) {
 }
 
 TEST(Holes, OfHundredsOfEdgesAreFilledWithoutFolds) {
-    // A star of 12 deep rays: few chords lie inside.
+    // A star of 8 deep rays: few chords lie inside.
     Sheet sheet(260, [](Vec3d c) {
         const Vec3d d = c - Vec3d{130, 130, 0};
-        double angle = std::atan2(d.y, d.x);
-        return length(d) < 35.0 + 25.0 * std::cos(12.0 * angle);
+        const double angle = std::atan2(d.y, d.x);
+        return length(d) < 40.0 + 22.0 * std::cos(8.0 * angle);
     });
     sheet.size = 150.0;
     const Topology t = topology(sheet.points.size(), sheet.surface.triangles);
