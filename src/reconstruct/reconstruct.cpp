@@ -15,6 +15,7 @@
 #include "reconstruct/cocone.h"
 #include "reconstruct/delaunay.h"
 #include "reconstruct/facet_surface.h"
+#include "reconstruct/facing.h"
 #include "reconstruct/flat.h"
 #include "reconstruct/front.h"
 #include "reconstruct/holes.h"
@@ -354,7 +355,10 @@ ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions&
     ReconstructResult result = is_implicit
                                    ? run_implicit(cloud, options.surface, kMaxAdded, context)
                                    : Stage(cloud, options, context).run();
-    if (is_implicit) fill_holes(cloud, options, result, context);
+    if (is_implicit)
+        fill_holes(cloud, options, result, context);
+    else if (result.report.surface == Surface::kOpen)
+        face_in_place(cloud, result);
     complete(result, cloud.size(), context);
     return result;
 }
