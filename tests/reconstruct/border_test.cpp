@@ -7,6 +7,7 @@
 #include "core/adjacency.h"
 #include "core/kdtree.h"
 #include "core/parallel.h"
+#include "pointbake/error.h"
 #include "pointbake/load.h"
 #include "pointbake/reconstruct.h"
 #include "support/shapes.h"
@@ -211,6 +212,43 @@ TEST(Borders, OfARandomHalfSphereAreClean) {
     expect_clean(measure("half sphere", random_half_sphere(20000)), 2.0 * std::numbers::pi);
 }
 
+PointCloud square_with_hole(double radius) {
+    PointCloud cloud = random_square(20000);
+    std::vector<Vec3d> kept;
+    for (const Vec3d& p : cloud.positions)
+        if (length(p - Vec3d{0.5, 0.5, 0.0}) > radius) kept.push_back(p);
+    PointCloud holed;
+    for (const Vec3d& p : kept) shapes::add_point(holed, p, {0, 0, 1});
+    return holed;
+}
+
+TEST(FillHoles, FillsThoseOfTheSizeThatIsGiven) {
+    const PointCloud cloud = square_with_hole(0.15);
+    const auto loops = [&](std::optional<Length> size, Method method = Method::kAuto) {
+        PointCloud with_areas = cloud;
+        with_areas.areas.assign(cloud.size(), 1.0F / 20000.0F);
+        const ReconstructResult r = reconstruct(
+            with_areas, {.surface = Surface::kOpen, .method = method, .fill_holes = size});
+        EXPECT_EQ(r.report.num_holes_filled, size && size->value > 0.3 ? 1U : 0U);
+        const Topology t = topology(r.surface.mesh.positions.size(), r.surface.mesh.triangles);
+        EXPECT_EQ(t.num_nonmanifold_edges + t.num_nonmanifold_vertices, 0U);
+        return r.report.num_boundary_loops;
+    };
+    EXPECT_EQ(loops({}), 2U);
+    EXPECT_EQ(loops(units(0.0)), 2U);
+    EXPECT_EQ(loops(units(0.25)), 2U);
+    EXPECT_EQ(loops(units(0.35)), 1U);
+    EXPECT_EQ(loops(fraction(100.0)), 1U);  // but never its rim
+    EXPECT_EQ(loops({}, Method::kImplicit), 2U);
+    EXPECT_EQ(loops(units(0.35), Method::kImplicit), 1U);
+}
+
+TEST(FillHoles, NeedsALength) {
+    for (const double size : {-1.0, HUGE_VAL, std::nan("")}) {
+        EXPECT_THROW(reconstruct(random_square(50), {.fill_holes = units(size)}), Error);
+    }
+}
+
 class RealClouds : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealClouds, StayNearTheirPoints) {
@@ -219,7 +257,7 @@ TEST_P(RealClouds, StayNearTheirPoints) {
     const Figures f = measure(GetParam(), load_cloud(path).cloud);
     EXPECT_LE(f.farthest, 3.0);
     EXPECT_LE(f.highest_tooth, 1.0);
-    EXPECT_LE(f.num_notches, f.num_border / 100);
+    EXPECT_LE(100 * f.num_notches, f.num_border);  // held by what lies above or below
 }
 
 INSTANTIATE_TEST_SUITE_P(Borders, RealClouds,
