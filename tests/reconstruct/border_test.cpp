@@ -229,20 +229,19 @@ TEST(FillHoles, FillsThoseOfTheSizeThatIsGiven) {
         with_areas.areas.assign(cloud.size(), 1.0F / 20000.0F);
         const ReconstructResult r = reconstruct(
             with_areas, {.surface = Surface::kOpen, .method = method, .fill_holes = size});
-        if (method == Method::kAuto) {
-            EXPECT_EQ(r.report.num_holes_filled, size && size->value > 0.3 ? 1U : 0U);
-        }
         const Topology t = topology(r.surface.mesh.positions.size(), r.surface.mesh.triangles);
         EXPECT_EQ(t.num_nonmanifold_edges + t.num_nonmanifold_vertices, 0U);
-        return r.report.num_boundary_loops;
+        return std::pair(r.report.num_boundary_loops, r.report.num_holes_filled);
     };
-    EXPECT_EQ(loops({}), 2U);
-    EXPECT_EQ(loops(units(0.0)), 2U);
-    EXPECT_EQ(loops(units(0.25)), 2U);
-    EXPECT_EQ(loops(units(0.35)), 1U);
-    EXPECT_EQ(loops(fraction(100.0)), 1U);  // but never its rim
+    // The points are random: Cocone leaves a few gaps beside the hole.
+    const auto [num_left, num_gaps] = loops({});
+    EXPECT_EQ(num_left, 2U);
+    EXPECT_EQ(loops(units(0.0)), std::pair(2U + num_gaps, 0U));
+    EXPECT_EQ(loops(units(0.25)), std::pair(2U, num_gaps));
+    EXPECT_EQ(loops(units(0.35)), std::pair(1U, num_gaps + 1U));
+    EXPECT_EQ(loops(fraction(100.0)), std::pair(1U, num_gaps + 1U));  // but never its rim
     // The cut of an implicit surface leaves a few small holes, too.
-    EXPECT_LT(loops(units(0.25), Method::kImplicit), loops({}, Method::kImplicit));
+    EXPECT_LT(loops(units(0.25), Method::kImplicit).first, loops({}, Method::kImplicit).first);
 }
 
 TEST(FillHoles, NeedsALength) {
