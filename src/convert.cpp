@@ -154,6 +154,20 @@ ReconstructResult given_mesh(ConvertInput& input) {
     return out;
 }
 
+// Given normals that contradict each other are worth nothing.
+void estimate_unsure_normals(ConvertResult& result, const std::vector<Index>& unsure,
+                             const AttributesOptions& options, const Context& context) {
+    if (unsure.empty()) return;
+    warn(result, context,
+         fmt::format("the normals of {} points contradict each other: estimated anew",
+                     unsure.size()));
+    for (const Index i : unsure) {
+        result.cloud.normals[i] = {};
+        result.cloud.given_normals[i] = 0;
+    }
+    result.cloud = estimate_attributes(std::move(result.cloud), options, context).cloud;
+}
+
 // A surface that is given is not second-guessed, and vertices of a mesh are where they should be.
 DenoiseOptions denoising_for(const ConvertInput& input, const ConvertOptions& options) {
     DenoiseOptions out = options.denoise;
@@ -234,6 +248,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
             result.dense = std::move(surface.surface);
             result.report.reconstruct = surface.report;
             log(context, LogLevel::kInfo, "surface: {}", surface.report.reason);
+            estimate_unsure_normals(result, surface.unsure_normals, options.attributes, context);
             AttributesResult refined = refine_attributes(std::move(result.cloud), result.dense,
                                                          options.attributes, context);
             result.cloud = std::move(refined.cloud);

@@ -1,7 +1,9 @@
 // Stage 3: points become a dense triangle mesh, over (a subset of) them or between them.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "pointbake/context.h"
 #include "pointbake/options.h"
@@ -24,6 +26,7 @@ struct EnumWords<Method> {
 struct ReconstructOptions {
     Surface surface = Surface::kAuto;
     Method method = Method::kAuto;
+    std::optional<Length> fill_holes = {};
     template <class Field>
     static void describe(Field&& field) {
         field("surface", &ReconstructOptions::surface,
@@ -32,6 +35,10 @@ struct ReconstructOptions {
             "method", &ReconstructOptions::method,
             "how it is found: cocone (open), tight-cocone (watertight), robust-cocone (watertight, "
             "around the noise), implicit (open or watertight, between the points), or auto");
+        field(
+            "fill-holes", &ReconstructOptions::fill_holes,
+            "open surfaces: fill holes of at most this diameter, in the file's unit, as 2mm or as "
+            "1% of the diagonal; 0 fills none (default: gaps of about 6 spacings)");
     }
 };
 
@@ -47,22 +54,27 @@ struct ReconstructReport {
     Index num_left_out = 0;            ///< points that Robust Cocone finds inside the noise
     Index num_thinned = 0;             ///< points too near to others to be vertices as well
     Index num_unused = 0;              ///< points that are no vertex of the surface, thinned or not
+    Index num_turned_pieces = 0;       ///< of an open surface, by sensors or the file's normals
+    Index num_holes_filled = 0;        ///< borders closed of an open surface
     Index num_split_vertices = 0;      ///< copies made so that the surface is 2-manifold
     double added_area_fraction = 0.0;  ///< share of the watertight surface that Cocone did not find
 };
 
 struct ReconstructResult {
     DenseMesh surface;
+    std::vector<Index> unsure_normals;  ///< points whose given normals contradict each other:
+                                        ///< no side was taken from them, convert estimates them
     ReconstructReport report;
 };
 
 /// Open: Cocone with boundary detection [Amenta02, Dey01], walked into oriented 2-manifold pieces
 /// with borders. Watertight: Tight Cocone [Dey03], split by index into a closed, oriented
 /// 2-manifold with positive volume; Robust Cocone [Dey06] does so over the outer points of noise
-/// only. Coplanar clouds give a flat open mesh. Deterministic for any
-/// number of threads and any order of the points. Near linear time, about 1.2 kB per point. Throws
-/// Error{kDegenerate} for fewer than 3 distinct or for collinear points, and where the points span
-/// no surface of the kind that is asked for.
+/// only. Pieces of open surfaces face the sensors (`cloud.sensors`), else the side of the file's
+/// normals (`cloud.given_normals`) if they agree, else outwards. Coplanar clouds give a flat open
+/// mesh. Deterministic for any number of threads and any order of the points. Near linear time,
+/// about 1.2 kB per point. Throws Error{kDegenerate} for fewer than 3 distinct or for collinear
+/// points, and where the points span no surface of the kind that is asked for.
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
                               const Context& context = {});
 

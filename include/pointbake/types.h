@@ -63,10 +63,12 @@ struct Channel {
 
 /// A point cloud, in Morton order from load on. All lengths are in the file's own unit.
 struct PointCloud {
-    std::vector<Vec3d> positions;   ///< in double; as read, unless denoise() moved them
-    std::vector<Vec3d> measured;    ///< as read, if denoise() moved them
-    std::vector<Rgb16> colors;      ///< sRGB-coded
-    std::vector<Vec3f> normals;     ///< unit length; zero = unknown
+    std::vector<Vec3d> positions;  ///< in double; as read, unless denoise() moved them
+    std::vector<Vec3d> measured;   ///< as read, if denoise() moved them
+    std::vector<Rgb16> colors;     ///< sRGB-coded
+    std::vector<Vec3f> normals;    ///< unit length; zero = unknown
+    std::vector<std::uint8_t>
+        given_normals;  ///< 1 = the file's normal, whose sign may be believed; empty = none is
     std::vector<float> radii;       ///< surfel radius as the file gives it, or equivalent spacing
     std::vector<float> areas;       ///< area that a point stands for
     std::vector<TangentAxes> axes;  ///< only for elliptical surfels

@@ -147,6 +147,15 @@ class Estimator {
     bool has_areas_, has_radii_;
 };
 
+/// Before the unknown ones are estimated. A second run adds none.
+void note_given_normals(PointCloud& cloud) {
+    if (cloud.normals.empty()) cloud.given_normals.clear();
+    if (cloud.normals.size() != cloud.size() || cloud.given_normals.size() == cloud.size()) return;
+    cloud.given_normals.resize(cloud.size());
+    std::transform(cloud.normals.begin(), cloud.normals.end(), cloud.given_normals.begin(),
+                   [](Vec3f normal) { return is_known(normal) ? 1 : 0; });
+}
+
 }  // namespace
 
 AttributesResult estimate_attributes(PointCloud cloud, const AttributesOptions& options,
@@ -157,6 +166,7 @@ AttributesResult estimate_attributes(PointCloud cloud, const AttributesOptions& 
     const std::size_t n = result.cloud.size();
     report_progress(context, "attributes", 0.0);
 
+    note_given_normals(result.cloud);
     const Estimator estimator(result.cloud, options);
     const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
     for (std::size_t first = 0; first < n; first += kBlock) {

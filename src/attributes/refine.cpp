@@ -219,6 +219,7 @@ AttributesResult refine_attributes(PointCloud cloud, const DenseMesh& surface,
         result.report.num_estimated_normals = counts.num_filled;
     } else {
         result.report.num_flipped_normals = orient_by_spanning_tree_in_place(result.cloud, context);
+        result.cloud.given_normals.clear();  // their signs are the tree's now
     }
 
     const auto& normals = result.cloud.normals;

@@ -44,6 +44,7 @@ PointCloud select_points(PointCloud cloud, std::span<const DropReason> fates) {
     compact(cloud.measured, fates);
     compact(cloud.colors, fates);
     compact(cloud.normals, fates);
+    compact(cloud.given_normals, fates);
     compact(cloud.radii, fates);
     compact(cloud.areas, fates);
     compact(cloud.axes, fates);

@@ -261,6 +261,12 @@ void drop_extra(const std::vector<Edge>& crowded, const Fans& fans, FacetSurface
             for (Index u : *list)
                 if (u != kept && u != partner) dropped[u / 3] = 1;
     }
+    drop_facets(dropped, surface);
+}
+
+}  // namespace
+
+void drop_facets(std::span<const std::uint8_t> dropped, FacetSurface& surface) {
     std::vector<Index> renumbered(surface.facets.size(), kInvalidIndex);
     FacetSurface rest;
     for (std::size_t t = 0; t < surface.facets.size(); ++t) {
@@ -277,7 +283,20 @@ void drop_extra(const std::vector<Edge>& crowded, const Fans& fans, FacetSurface
     surface = std::move(rest);
 }
 
-}  // namespace
+void drop_unused_vertices(IndexedSurface& surface) {
+    std::vector<Index> renumbered(surface.vertex_points.size(), kInvalidIndex);
+    for (const Triangle& t : surface.triangles)
+        for (Index v : t) renumbered[v] = 0;
+    std::vector<Index> points;
+    for (std::size_t v = 0; v < renumbered.size(); ++v) {
+        if (renumbered[v] == kInvalidIndex) continue;
+        renumbered[v] = static_cast<Index>(points.size());
+        points.push_back(surface.vertex_points[v]);
+    }
+    surface.vertex_points = std::move(points);
+    for (Triangle& t : surface.triangles)
+        for (Index& v : t) v = renumbered[v];
+}
 
 FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& inside,
                          const Context& context) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "reconstruct/tetrahedra.h"
@@ -16,10 +17,16 @@ struct FacetSurface {
     std::vector<std::array<Index, 3>> mates;
 };
 
+/// Takes facets away; edges that they were mates at become borders.
+void drop_facets(std::span<const std::uint8_t> dropped, FacetSurface& surface);
+
 struct IndexedSurface {
     std::vector<Index> vertex_points;  ///< real point under each vertex, ascending
     std::vector<Triangle> triangles;
 };
+
+/// Without the vertices that no triangle uses.
+void drop_unused_vertices(IndexedSurface& surface);
 
 /// The boundary of the inside cells: closed and oriented outwards. `inside` is changed where an
 /// edge would carry more than two facets, if a small change of labels cures it; where none does,

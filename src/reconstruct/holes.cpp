@@ -1,19 +1,23 @@
-// [Liepa03]: the triangulation of a hole by dynamic programming. Departure: no refinement and no
-// fairing, as the holes are not much wider than the points lie apart.
+// [Liepa03]: the triangulation of a hole by dynamic programming. Departures: no refinement and no
+// fairing, as holes are not much wider than the points lie apart unless wider ones are asked for;
+// long loops have ears cut off first, as it takes cubic time.
 #include "reconstruct/holes.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "core/adjacency.h"
 #include "core/parallel.h"
+#include "reconstruct/ears.h"
 #include "reconstruct/pieces.h"
 
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kMostEdges = 64;
-// Longest edge across a hole, in the mean spacing of its ends.
+// Longest loops: of gaps, of holes of a size, and of those that need no ears cut off.
+constexpr std::size_t kMostGapEdges = 64, kMostEdges = 8192, kMostUncut = 128;
+// Longest edge across a gap, in the mean spacing of its ends.
 constexpr double kReach = 6.0;
 // A loop whose filling has more of its piece's area is the piece's rim, not a hole in it.
 constexpr double kMostArea = 0.25;
@@ -35,14 +39,18 @@ double bend(Vec3d m, Vec3d n) {
     return lengths > 0.0 ? -dot(m, n) / lengths : 1.0;
 }
 
-// Vertices of a border, with the hole to the left: against the border's own direction.
-struct Loop {
-    std::vector<Index> vertices;
-    double piece_area = 0.0;
-};
+bool has_edge(const VertexTriangles& around, const std::vector<Triangle>& triangles, Index a,
+              Index b) {
+    const auto shared = around.of(a);
+    return std::any_of(shared.begin(), shared.end(), [&](Index t) {
+        const Triangle& v = triangles[t];
+        return v[0] == b || v[1] == b || v[2] == b;
+    });
+}
 
 class Hole {
  public:
+    // `spacing` is empty for a hole of a size, whose chords may have any length.
     Hole(std::span<const Vec3d> points, std::span<const float> spacing,
          const VertexTriangles& around, const std::vector<Triangle>& triangles, const Loop& loop)
         : points_(points),
@@ -50,18 +58,18 @@ class Hole {
           around_(around),
           triangles_(triangles),
           loop_(loop.vertices),
-          most_area_(kMostArea * loop.piece_area),
+          normals_(loop.normals),
           weights_(loop_.size() * loop_.size(), kNever),
           middles_(loop_.size() * loop_.size(), 0) {}
 
-    // Nothing if the hole should stay open.
+    // Nothing if there is no way.
     std::vector<Triangle> fill() {
         const std::size_t n = loop_.size();
         for (std::size_t i = 0; i + 1 < n; ++i) weights_[i * n + i + 1] = {};
         for (std::size_t length = 2; length < n; ++length)
             for (std::size_t i = 0; i + length < n; ++i) find_middle(i, i + length);
         std::vector<Triangle> out;
-        if (weights_[n - 1].area <= most_area_) list(0, n - 1, out);
+        if (weights_[n - 1].area < HUGE_VAL) list(0, n - 1, out);
         return out;
     }
 
@@ -74,26 +82,20 @@ class Hole {
 
     // The normal of what lies on the other side of the polygon's edge or chord from i to k.
     Vec3d normal_behind(std::size_t i, std::size_t k) const {
-        if (k != i + 1 && !(i == 0 && k + 1 == loop_.size()))
-            return area_vector(i, middles_[i * loop_.size() + k], k);
-        for (Index t : around_.of(loop_[i])) {
-            const Triangle& v = triangles_[t];
-            if (std::find(v.begin(), v.end(), loop_[k]) != v.end())
-                return cross(points_[v[1]] - points_[v[0]], points_[v[2]] - points_[v[0]]);
-        }
-        return {};
+        if (k == i + 1) return normals_[i];
+        if (i == 0 && k + 1 == loop_.size()) return normals_[k];
+        return area_vector(i, middles_[i * loop_.size() + k], k);
     }
 
     bool is_free(std::size_t i, std::size_t k) const {
         if (k == i + 1 || (i == 0 && k + 1 == loop_.size())) return true;
-        const double reach = 0.5 * kReach * (spacing_[loop_[i]] + spacing_[loop_[k]]);
         const double length2 = squared_length(point(i) - point(k));
-        if (length2 == 0.0 || length2 > reach * reach) return false;  // 0: copies of one point
-        for (Index t : around_.of(loop_[i])) {
-            const Triangle& v = triangles_[t];
-            if (std::find(v.begin(), v.end(), loop_[k]) != v.end()) return false;
+        if (length2 == 0.0) return false;  // copies of one point
+        if (!spacing_.empty()) {
+            const double reach = 0.5 * kReach * (spacing_[loop_[i]] + spacing_[loop_[k]]);
+            if (length2 > reach * reach) return false;
         }
-        return true;
+        return !has_edge(around_, triangles_, loop_[i], loop_[k]);
     }
 
     // The best triangle over the chord from i to k, given those of all shorter chords.
@@ -128,60 +130,103 @@ class Hole {
     const VertexTriangles& around_;
     const std::vector<Triangle>& triangles_;
     std::span<const Index> loop_;
-    double most_area_;
+    std::span<const Vec3d> normals_;
     std::vector<Weight> weights_;  // per pair i < k of the loop's vertices
     std::vector<std::size_t> middles_;
 };
 
-double area_of(std::span<const Vec3d> points, const Triangle& t) {
-    return 0.5 * length(cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]));
+Vec3d area_vector(std::span<const Vec3d> points, const Triangle& t) {
+    return cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]);
 }
 
-// The short loops. Each vertex lies on one border at most.
-std::vector<Loop> find_loops(std::span<const Vec3d> points, const IndexedSurface& surface) {
+double area_of(std::span<const Vec3d> points, std::span<const Triangle> triangles) {
+    double area = 0.0;
+    for (const Triangle& t : triangles) area += 0.5 * length(area_vector(points, t));
+    return area;
+}
+
+// The loops of at most so many edges. Each vertex lies on one border at most.
+std::vector<Loop> find_loops(std::span<const Vec3d> points, const IndexedSurface& surface,
+                             std::size_t most_edges) {
     const auto neighbors = triangle_neighbors(surface.triangles);
     const Pieces pieces = find_pieces(neighbors);
-    std::vector<Index> before(surface.vertex_points.size(), kInvalidIndex);
-    std::vector<double> piece_areas(before.size(), 0.0);
-    for (std::size_t p = 0; p < pieces.size(); ++p) {
-        double area = 0.0;
-        for (Index t : pieces.of(p)) area += area_of(points, surface.triangles[t]);
+    const std::size_t n = surface.vertex_points.size();
+    std::vector<Index> before(n, kInvalidIndex), behind(n), pieces_of(n);
+    std::vector<double> piece_areas(pieces.size(), 0.0);
+    for (Index p = 0; p < pieces.size(); ++p) {
         for (Index t : pieces.of(p)) {
             const Triangle& v = surface.triangles[t];
+            piece_areas[p] += area_of(points, std::span(&v, 1));
             for (std::size_t k = 0; k < 3; ++k) {
                 if (neighbors[t][k] != kInvalidIndex) continue;
                 before[v[(k + 1) % 3]] = v[k];
-                piece_areas[v[k]] = area;
+                behind[v[(k + 1) % 3]] = t;
+                pieces_of[v[k]] = p;
             }
         }
     }
     std::vector<Loop> loops;
-    for (Index first = 0; first < before.size(); ++first) {
+    for (Index first = 0; first < n; ++first) {
         if (before[first] == kInvalidIndex) continue;
-        Loop loop{{}, piece_areas[first]};
-        for (Index v = first; v != kInvalidIndex;) {
-            if (loop.vertices.size() <= kMostEdges + 1) loop.vertices.push_back(v);
+        Loop loop{{}, {}, piece_areas[pieces_of[first]]};
+        for (Index v = first; before[v] != kInvalidIndex;) {
+            if (loop.vertices.size() <= most_edges) {
+                loop.vertices.push_back(v);
+                loop.normals.push_back(area_vector(points, surface.triangles[behind[v]]));
+            }
             v = std::exchange(before[v], kInvalidIndex);
         }
-        loop.vertices.pop_back();  // `first` comes at both ends
-        if (loop.vertices.size() >= 3 && loop.vertices.size() <= kMostEdges)
+        if (loop.vertices.size() >= 3 && loop.vertices.size() <= most_edges)
             loops.push_back(std::move(loop));
     }
     return loops;
 }
 
+bool is_within(std::span<const Vec3d> points, const Loop& loop, double size) {
+    for (std::size_t i = 0; i < loop.vertices.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            if (squared_length(points[loop.vertices[i]] - points[loop.vertices[k]]) > size * size)
+                return false;
+    return true;
+}
+
 }  // namespace
 
-void fill_holes_in_place(std::span<const Vec3d> points, std::span<const float> spacing,
-                         IndexedSurface& surface, const Context& context) {
-    const std::vector<Loop> loops = find_loops(points, surface);
-    const auto around = vertex_triangles(surface.vertex_points.size(), surface.triangles);
+Index fill_holes_in_place(std::span<const Vec3d> points, std::span<const float> spacing,
+                          const HoleRule& rule, IndexedSurface& surface, const Context& context) {
+    const std::vector<Loop> loops =
+        find_loops(points, surface, rule.size ? kMostEdges : kMostGapEdges);
+    if (rule.size) spacing = {};
+    const auto& triangles = surface.triangles;
+    const auto around = vertex_triangles(surface.vertex_points.size(), triangles);
+    const std::function<bool(Index, Index)> is_edge = [&](Index a, Index b) {
+        return has_edge(around, triangles, a, b);
+    };
+    const auto is_held = [&](const Triangle& t) {
+        return rule.reach->holds(points[t[0]], points[t[1]], points[t[2]]);
+    };
+    const auto fill = [&](Loop loop) {
+        std::vector<Triangle> out;
+        if (rule.size && !is_within(points, loop, *rule.size)) return out;
+        if (loop.vertices.size() > kMostUncut &&
+            !cut_ears_in_place(points, kMostUncut, is_edge, loop, out))
+            return std::vector<Triangle>{};
+        const auto rest = Hole(points, spacing, around, triangles, loop).fill();
+        out.insert(out.end(), rest.begin(), rest.end());
+        const bool is_small = !rest.empty() && area_of(points, out) <= kMostArea * loop.piece_area;
+        const bool is_near =
+            rule.size || rule.reach == nullptr || std::all_of(out.begin(), out.end(), is_held);
+        return is_small && is_near ? out : std::vector<Triangle>{};
+    };
     std::vector<std::vector<Triangle>> fills(loops.size());
-    parallel_for(context, loops.size(), 1, [&](std::size_t i, std::size_t) {
-        fills[i] = Hole(points, spacing, around, surface.triangles, loops[i]).fill();
-    });
-    for (const auto& fill : fills)
-        surface.triangles.insert(surface.triangles.end(), fill.begin(), fill.end());
+    parallel_for(context, loops.size(), 1,
+                 [&](std::size_t i, std::size_t) { fills[i] = fill(loops[i]); });
+    Index num_filled = 0;
+    for (const auto& added : fills) {
+        num_filled += added.empty() ? 0 : 1;
+        surface.triangles.insert(surface.triangles.end(), added.begin(), added.end());
+    }
+    return num_filled;
 }
 
 }  // namespace pointbake

@@ -3,21 +3,26 @@
 #include "pointbake/reconstruct.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
+#include <optional>
 
 #include "core/adjacency.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "reconstruct/borders.h"
 #include "reconstruct/cocone.h"
 #include "reconstruct/delaunay.h"
 #include "reconstruct/facet_surface.h"
+#include "reconstruct/facing.h"
 #include "reconstruct/flat.h"
 #include "reconstruct/front.h"
 #include "reconstruct/holes.h"
 #include "reconstruct/implicit_method.h"
 #include "reconstruct/open_surface.h"
 #include "reconstruct/pieces.h"
+#include "reconstruct/reach.h"
 #include "reconstruct/robust_cocone.h"
 #include "reconstruct/spacing.h"
 #include "reconstruct/tetrahedra.h"
@@ -78,32 +83,32 @@ void drop_flakes(const Tetrahedra& tets, std::span<const float> spacing, Indexed
         for (Index& v : t) v = surface.vertex_points[v];
     const Pieces pieces = find_pieces(triangle_neighbors(surface.triangles));
     const auto is_kept = choose_pieces(tets, spacing, triangles, pieces);
-    IndexedSurface kept;
+    std::vector<Triangle> kept;
     for (std::size_t p = 0; p < pieces.size(); ++p)
         if (is_kept[p] != 0)
-            for (Index t : pieces.of(p)) kept.triangles.push_back(surface.triangles[t]);
-    std::vector<Index> renumbered(surface.vertex_points.size(), kInvalidIndex);
-    for (const Triangle& t : kept.triangles)
-        for (Index v : t) renumbered[v] = 0;
-    for (std::size_t v = 0; v < renumbered.size(); ++v) {
-        if (renumbered[v] == kInvalidIndex) continue;
-        renumbered[v] = static_cast<Index>(kept.vertex_points.size());
-        kept.vertex_points.push_back(surface.vertex_points[v]);
-    }
-    for (Triangle& t : kept.triangles)
-        for (Index& v : t) v = renumbered[v];
-    surface = std::move(kept);
+            for (Index t : pieces.of(p)) kept.push_back(surface.triangles[t]);
+    surface.triangles = std::move(kept);
+    drop_unused_vertices(surface);
 }
 
-void fill_holes(const Tetrahedra& tets, std::span<const float> spacing, IndexedSurface& surface,
-                const Context& context) {
-    std::vector<Vec3d> positions;
-    std::vector<float> spacings;
-    for (Index p : surface.vertex_points) {
-        positions.push_back(tets.points[p]);
-        spacings.push_back(spacing[p]);
-    }
-    fill_holes_in_place(positions, spacings, surface, context);
+// In cloud units; nothing if it was not told.
+std::optional<double> hole_size(const ReconstructOptions& options, const PointCloud& cloud) {
+    if (!options.fill_holes) return std::nullopt;
+    Box box;
+    for (const Vec3d& p : cloud.positions) box.extend(p);
+    return options.fill_holes->in_units(box.diagonal());
+}
+
+// The holes of an implicit surface: its vertices are no points.
+void fill_holes(const PointCloud& cloud, const ReconstructOptions& options,
+                ReconstructResult& result, const Context& context) {
+    const auto size = hole_size(options, cloud);
+    if (!size || result.report.surface != Surface::kOpen) return;
+    Mesh& mesh = result.surface.mesh;
+    IndexedSurface indexed{std::vector<Index>(mesh.positions.size()), std::move(mesh.triangles)};
+    result.report.num_holes_filled =
+        fill_holes_in_place(mesh.positions, {}, {.size = size}, indexed, context);
+    mesh.triangles = std::move(indexed.triangles);
 }
 
 // How the closed surface differs from the one that Cocone found.
@@ -127,6 +132,7 @@ class Stage {
     Stage(const PointCloud& cloud, const ReconstructOptions& options, const Context& context)
         : cloud_(cloud),
           context_(context),
+          options_(options),
           wanted_(wanted_surface(options)),
           is_robust_(options.method == Method::kRobustCocone),
           is_flat_(false) {}
@@ -148,8 +154,11 @@ class Stage {
         FacetSurface surface = extract_open(tets_, cocone, cloud_.noise >= kLeastNoise, context_);
         report_progress(context_, kStage, 0.8);
         choose(cocone, surface);
-        if (report_.surface == Surface::kOpen)
+        if (report_.surface == Surface::kOpen) {
             grow_in_place(tets_, cocone.spacing, surface, context_);
+            reach_.emplace(cloud_.positions);
+            drop_far_facets(tets_, cocone.spacing, cloud_.positions, *reach_, surface, context_);
+        }
         report_progress(context_, kStage, 0.9);
         return finish(cocone, std::move(surface));
     }
@@ -231,7 +240,7 @@ class Stage {
             fail(ErrorCode::kDegenerate, "the surface found touches itself everywhere");
         if (is_open) {
             drop_flakes(tets_, cocone.spacing, indexed);
-            fill_holes(tets_, cocone.spacing, indexed, context_);
+            settle_borders(cocone.spacing, indexed);
         }
         const auto& of = indexed.vertex_points;
         report_.num_split_vertices = static_cast<Index>(std::inner_product(
@@ -246,6 +255,22 @@ class Stage {
         mesh.triangles = std::move(indexed.triangles);
         result.report = std::move(report_);
         return result;
+    }
+
+    // Fills what should have no border, and trims what keeps one.
+    void settle_borders(std::span<const float> spacing, IndexedSurface& surface) {
+        std::vector<Vec3d> positions;
+        std::vector<float> spacings;
+        std::vector<Index> ids;
+        for (Index v : surface.vertex_points) {
+            ids.push_back(tets_.point_ids[v]);
+            positions.push_back(cloud_.positions[ids.back()]);
+            spacings.push_back(spacing[v]);
+        }
+        const HoleRule rule{hole_size(options_, cloud_), &*reach_};
+        report_.num_holes_filled =
+            fill_holes_in_place(positions, spacings, rule, surface, context_);
+        trim_borders_in_place(positions, ids, *reach_, surface, context_);
     }
 
     // Vertices in the cloud's order, triangles by vertices with the smallest one first.
@@ -272,9 +297,11 @@ class Stage {
 
     const PointCloud& cloud_;
     const Context& context_;
+    const ReconstructOptions& options_;
     Surface wanted_;
     bool is_robust_, is_flat_;
     Tetrahedra tets_;
+    std::optional<Reach> reach_;  // of an open surface
     ReconstructReport report_;
 };
 
@@ -314,6 +341,10 @@ void validate(const ReconstructOptions& options) {
              "method '{}' needs CGAL's triangulation, and this program is built without it: use "
              "implicit or auto, or build with -DPOINTBAKE_CGAL=ON",
              to_word(options.method));
+    const auto& size = options.fill_holes;
+    if (size && !(size->value >= 0.0 && std::isfinite(size->value)))
+        fail(ErrorCode::kInvalidOption, "fill-holes is {}: a length of 0 or more is accepted",
+             to_string(*size));
 }
 
 bool needs_normals(const ReconstructOptions& options) {
@@ -329,9 +360,14 @@ ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions&
              "auto, open or watertight");
     validate(options);
     check_positions(cloud);
-    ReconstructResult result = needs_normals(options)
+    const bool is_implicit = needs_normals(options);
+    ReconstructResult result = is_implicit
                                    ? run_implicit(cloud, options.surface, kMaxAdded, context)
                                    : Stage(cloud, options, context).run();
+    if (is_implicit)
+        fill_holes(cloud, options, result, context);
+    else if (result.report.surface == Surface::kOpen)
+        face_in_place(cloud, result);
     complete(result, cloud.size(), context);
     return result;
 }

@@ -60,6 +60,8 @@ Json to_json(const ReconstructReport& r) {
             {"flat_points", r.num_flat},
             {"poor_points", r.num_poor},
             {"label_conflicts", r.num_conflicts},
+            {"turned_pieces", r.num_turned_pieces},
+            {"holes_filled", r.num_holes_filled},
             {"thinned_points", r.num_thinned},
             {"left_out_points", r.num_left_out},
             {"unused_points", r.num_unused},
