@@ -168,11 +168,15 @@ void estimate_unsure_normals(ConvertResult& result, const std::vector<Index>& un
     result.cloud = estimate_attributes(std::move(result.cloud), options, context).cloud;
 }
 
+bool has_given_surface(const ConvertInput& input, const ConvertOptions& options) {
+    return input.mesh || options.reconstruct.surface == Surface::kGiven;
+}
+
 // A surface that is given is not second-guessed, and vertices of a mesh are where they should be.
 DenoiseOptions denoising_for(const ConvertInput& input, const ConvertOptions& options) {
     DenoiseOptions out = options.denoise;
-    const bool is_given = input.mesh || options.reconstruct.surface == Surface::kGiven;
-    if (is_given || (out.denoise == Denoise::kAuto && input.file_mesh)) out.denoise = Denoise::kOff;
+    const bool is_exact = out.denoise == Denoise::kAuto && input.file_mesh;
+    if (is_exact || has_given_surface(input, options)) out.denoise = Denoise::kOff;
     return out;
 }
 
@@ -204,7 +208,7 @@ void validate(const ConvertOptions& options) {
 
 CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options) {
     CleanOptions cleaning = options.clean;
-    if (!input.mesh && options.reconstruct.surface != Surface::kGiven) return cleaning;
+    if (!has_given_surface(input, options)) return cleaning;
     if (!input.mesh && (cleaning.crop || cleaning.subsample))
         fail(ErrorCode::kInvalidOption,
              "--crop and --subsample do not go with --surface given: the faces need their points");
@@ -219,7 +223,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
     validate(options);
     std::optional<GivenLayout> layout;
     if (options.texture.keep_uvs) layout = given_layout(input.mesh);
-    const bool is_given = input.mesh || options.reconstruct.surface == Surface::kGiven;
+    const bool is_given = has_given_surface(input, options);
 
     tell_about_faces(input, options, context);
     if (options.texture.paper) tell_paper_readings(context);

@@ -7,14 +7,15 @@
 
 #include "attributes/local_quadric.h"
 #include "core/hash.h"
+#include "core/median.h"
 #include "core/message.h"
+#include "core/noise.h"
 #include "core/parallel.h"
 
 namespace pointbake {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
-constexpr double kLeastNoise = 0.045;  // auto: in spacings, 0.05 with some room to measure it
 constexpr std::size_t kFewestPoints = 64;
 constexpr std::size_t kMostMeasured = 20000;  // points that the cloud's noise is measured at
 // Neighbours of the quadrics that noise is measured against. Few: more reach other walls and take
@@ -48,13 +49,6 @@ constexpr double kFarthest = 5.0;
 
 constexpr std::size_t kGrain = 256;
 constexpr std::string_view kStage = "attributes";
-
-double median_in_place(std::vector<float>& values) {
-    if (values.empty()) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return static_cast<double>(*middle);
-}
 
 /// What the neighbours of a point say about noise; a negative deviation is unknown.
 struct LocalNoise {
@@ -99,7 +93,7 @@ double median_noise(const KdTree& tree, std::span<const Vec3d> positions, std::s
         }
     });
     std::erase_if(noise, [](float v) { return v < 0.0F; });
-    return median_in_place(noise);
+    return static_cast<double>(median_in_place(std::span(noise)));
 }
 
 double measure(const KdTree& tree, std::span<const Vec3d> positions, const Context& context) {
@@ -165,8 +159,9 @@ class Denoiser {
             std::vector<float> values;
             for (const Neighbor& n : tree_.nearest(positions_[i], buffer.first(kSmoothNeighbors)))
                 if (raw[n.index] >= 0.0F) values.push_back(raw[n.index]);
-            noise_[i] = static_cast<float>(
-                std::min(median_in_place(values), most_noise_ * static_cast<double>(spacing_[i])));
+            noise_[i] =
+                static_cast<float>(std::min(static_cast<double>(median_in_place(std::span(values))),
+                                            most_noise_ * static_cast<double>(spacing_[i])));
         });
     }
 

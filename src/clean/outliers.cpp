@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/median.h"
 #include "core/parallel.h"
 
 namespace pointbake {
@@ -35,17 +36,11 @@ constexpr int kFewestOutliers = 3;
 constexpr double kMostOutliers = 0.6;
 constexpr int kMostRounds = 32;
 
-double median_in_place(std::span<double> values) {
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 /// Mean distances above this are sparse.
 double sparse_reach(std::vector<double> reach) {
-    const double median = median_in_place(reach);
+    const double median = median_in_place(std::span<double>(reach));
     for (double& r : reach) r = std::max(r / median, median / r);
-    const double deviation = median_in_place(reach);
+    const double deviation = median_in_place(std::span<double>(reach));
     double factor = 1.0;
     for (int i = 0; i < kMedianDeviations; ++i) factor *= deviation;
     return median * std::max(kSparseFactor, factor);
@@ -106,7 +101,7 @@ class OutlierSearch {
     double contrast(std::size_t i) const {
         std::array<double, kNeighbors> reach;
         std::ranges::transform(near_.of(i), reach.begin(), [&](Index j) { return near_.reach[j]; });
-        return near_.reach[i] / median_in_place(reach);
+        return near_.reach[i] / median_in_place(std::span<double>(reach));
     }
 
     int num_mutual(std::size_t i) const {

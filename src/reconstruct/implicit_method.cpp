@@ -4,25 +4,13 @@
 #include <cmath>
 #include <map>
 
+#include "core/adjacency.h"
 #include "core/message.h"
 #include "core/union_find.h"
 #include "reconstruct/implicit.h"
 
 namespace pointbake {
 namespace {
-
-// Sides of triangles that no other triangle has, in their triangle's direction.
-std::vector<std::pair<Index, Index>> border_sides(std::span<const Triangle> triangles) {
-    std::vector<std::pair<Index, Index>> sides;
-    for (const Triangle& t : triangles)
-        for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(t[k], t[(k + 1) % 3]);
-    std::vector<std::pair<Index, Index>> sorted = sides;
-    std::sort(sorted.begin(), sorted.end());
-    std::erase_if(sides, [&](const auto& s) {
-        return std::binary_search(sorted.begin(), sorted.end(), std::pair(s.second, s.first));
-    });
-    return sides;
-}
 
 double area_of(const Mesh& mesh) {
     double area = 0.0;
@@ -35,9 +23,16 @@ double area_of(const Mesh& mesh) {
 
 // What flat lids on all borders would add, as a share of the closed surface.
 double share_of_lids(const Mesh& mesh) {
+    const auto neighbors = triangle_neighbors(mesh.triangles);
+    std::vector<std::pair<Index, Index>> sides;
     UnionFind loops(mesh.positions.size());
-    const auto sides = border_sides(mesh.triangles);
-    for (const auto& [a, b] : sides) loops.unite(a, b);
+    for (std::size_t t = 0; t < neighbors.size(); ++t) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (neighbors[t][k] != kInvalidIndex) continue;
+            sides.emplace_back(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]);
+            loops.unite(sides.back().first, sides.back().second);
+        }
+    }
     std::map<Index, Vec3d> lids;
     for (const auto& [a, b] : sides) {
         const Index loop = loops.find(a);

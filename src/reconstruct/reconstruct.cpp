@@ -10,6 +10,7 @@
 
 #include "core/adjacency.h"
 #include "core/message.h"
+#include "core/noise.h"
 #include "core/parallel.h"
 #include "reconstruct/borders.h"
 #include "reconstruct/cocone.h"
@@ -40,9 +41,6 @@ constexpr double kMaxLost = 0.05;
 // Points nearer to each other than this share of the spacing do not both become vertices: a
 // multiple of the noise, from duplicates up to half a spacing.
 constexpr double kNearestPerNoise = 25.0, kLeastNearest = 0.02, kMostNearest = 0.5;
-
-// From here on a cloud is noisy, in spacings.
-constexpr double kLeastNoise = 0.045;
 
 bool is_closing(Method method) {
     return method == Method::kTightCocone || method == Method::kRobustCocone;
