@@ -13,12 +13,25 @@ namespace {
 constexpr std::size_t kGrain = 64;       // triangles per chunk
 constexpr int kMaxRounds = 6;            // more gain little at this kernel
 constexpr std::uint64_t kLeaveOut = 10;  // one point in this many is left out to choose the rounds
-constexpr float kMinGain =
-    0.998F;  // an additional round must lower the prediction error to this share
+
+// A place on the surface lies nearer to the points than one that was left out does, and farther
+// than one that was kept: its error is guessed between theirs. By those left out alone, one round
+// too few is chosen where points are evenly spaced.
+constexpr double kKeptShare = 0.5;  // weight of the error at a kept item to that at one left out
 
 struct SquaredError {
     double sum = 0.0;
     std::uint64_t count = 0;
+    void add(Vec3f difference) {
+        sum += static_cast<double>(squared_length(difference));
+        ++count;
+    }
+    double mean() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+};
+
+struct RoundErrors {
+    SquaredError left_out, kept;
+    double guess() const { return left_out.mean() + kKeptShare * kept.mean(); }
 };
 
 // R as a sparse matrix: which splats reach each item that is not hidden, with what weights. Kept in
@@ -39,10 +52,10 @@ class Splatting {
     // visit(item, R(g) at the item, error) for all; `skip` (may be empty) leaves items out of the
     // sums: those of them that no other splat reaches are passed over. Returns the summed errors.
     template <class Visit>
-    SquaredError apply(const std::vector<Vec3f>& g, std::span<const std::uint8_t> skip,
-                       Visit&& visit) const {
+    RoundErrors apply(const std::vector<Vec3f>& g, std::span<const std::uint8_t> skip,
+                      Visit&& visit) const {
         const auto map = [&](std::size_t begin, std::size_t) {
-            SquaredError error;
+            RoundErrors error;
             Index k = 0;
             for (const Row& row : chunks_[begin].rows) {
                 Vec3f sum{};
@@ -57,9 +70,13 @@ class Splatting {
             }
             return error;
         };
-        return parallel_reduce(context_, chunks_.size(), 1, SquaredError{}, map,
-                               [](SquaredError a, SquaredError b) {
-                                   return SquaredError{a.sum + b.sum, a.count + b.count};
+        const auto sum = [](SquaredError a, SquaredError b) {
+            return SquaredError{a.sum + b.sum, a.count + b.count};
+        };
+        return parallel_reduce(context_, chunks_.size(), 1, RoundErrors{}, map,
+                               [&](const RoundErrors& a, const RoundErrors& b) {
+                                   return RoundErrors{sum(a.left_out, b.left_out),
+                                                      sum(a.kept, b.kept)};
                                });
     }
 
@@ -94,23 +111,18 @@ class Splatting {
     std::vector<Chunk> chunks_;
 };
 
-// One round: next = g + (c - R(g)) for all items kept. Returns the error of R(g) at the items left
-// out.
-SquaredError round(const Splatting& splatting, MapKind kind, const std::vector<Vec3f>& c,
-                   const std::vector<Vec3f>& g, std::span<const std::uint8_t> skip,
-                   std::vector<Vec3f>& next) {
-    return splatting.apply(g, skip, [&](Index item, Vec3f r, SquaredError& error) {
-        if (!skip.empty() && skip[item] != 0) {
-            const Vec3f d = to_steps(kind, r) - to_steps(kind, c[item]);
-            error.sum += static_cast<double>(squared_length(d));
-            ++error.count;
-        } else {
-            next[item] = g[item] + (c[item] - r);
-        }
+// One round: next = g + (c - R(g)) for all items kept. Returns the errors of R(g).
+RoundErrors round(const Splatting& splatting, MapKind kind, const std::vector<Vec3f>& c,
+                  const std::vector<Vec3f>& g, std::span<const std::uint8_t> skip,
+                  std::vector<Vec3f>& next) {
+    return splatting.apply(g, skip, [&](Index item, Vec3f r, RoundErrors& errors) {
+        const bool left_out = !skip.empty() && skip[item] != 0;
+        (left_out ? errors.left_out : errors.kept).add(to_steps(kind, r) - to_steps(kind, c[item]));
+        if (!left_out) next[item] = g[item] + (c[item] - r);
     });
 }
 
-// Rounds of sharpening that predict the left-out items best.
+// Rounds of sharpening that predict best, from the items kept.
 int choose_rounds(const Splatting& splatting, MapKind kind, const std::vector<Vec3f>& c,
                   std::span<const std::uint64_t> rows) {
     std::vector<std::uint8_t> skip(c.size());
@@ -120,11 +132,10 @@ int choose_rounds(const Splatting& splatting, MapKind kind, const std::vector<Ve
     int best = 0;
     double lowest = 0.0;
     for (int r = 0; r <= kMaxRounds; ++r) {
-        const SquaredError error = round(splatting, kind, c, g, skip, next);
-        if (error.count == 0) return 0;
-        const double mean = error.sum / static_cast<double>(error.count);
-        if (r > 0 && !(mean < lowest * static_cast<double>(kMinGain))) break;
-        best = r, lowest = mean;
+        const RoundErrors errors = round(splatting, kind, c, g, skip, next);
+        if (errors.left_out.count == 0) return 0;
+        if (r > 0 && errors.guess() >= lowest) break;
+        best = r, lowest = errors.guess();
         g.swap(next);
     }
     return best;

@@ -15,7 +15,7 @@ struct Sharpened {
     int rounds = 0;
 };
 
-/// Sharpens by as many rounds as predict left-out points (one in ten, by row) best: none for noisy
+/// Sharpens by as many rounds as predict best, from nine points in ten (by row): none for noisy
 /// colours. `rows`: input row per item.
 Sharpened sharpen(const SplatScene& scene, MapKind kind, std::vector<Vec3f> values,
                   std::span<const std::uint64_t> rows, const Context& context);

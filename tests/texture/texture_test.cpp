@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/hash.h"
 #include "pointbake/error.h"
 #include "texture/coding.h"
 #include "texture/planes.h"
@@ -94,6 +95,21 @@ TEST(Texture, SharpeningBringsBackWhatSplattingSmooths) {
     const Painted p = painted_square(64, fine);
     const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
     EXPECT_LT(rms_against(bake_apart(baker, baker.plan(1.0, kNoBudget)).model, fine), 5.0);
+}
+
+TEST(Texture, SharpensByWhatPredictsBest) {
+    const auto rounds = [](const std::function<Vec3d(double, double)>& paint) {
+        const Painted p = painted_square(64, paint);
+        const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
+        return bake_apart(baker, baker.plan(4.0, kNoBudget)).report.sharpening_rounds;
+    };
+    EXPECT_GE(rounds(wave), 3);
+    std::uint64_t draws = 0;
+    const auto noise = [&](double, double) {
+        const double v = 0.4 + 0.2 * random_unit(1, draws++);
+        return Vec3d{v, v, v};
+    };
+    EXPECT_EQ(rounds(noise), 0);
 }
 
 TEST(Texture, TighterBoundNeverNeedsFewerTexels) {
