@@ -2,7 +2,7 @@
 // distribution over the cloud, robustly on its logarithm. Alone that drops sparse parts of clouds
 // whose density jumps or falls with range. So a point is also compared with its neighbours, as
 // [Breunig00] does, and what is merely sparse must be off its neighbours' plane, or scattered in
-// space instead of along a surface.
+// space instead of along a surface, creases included.
 #include "clean/outliers.h"
 
 #include <algorithm>
@@ -17,9 +17,11 @@ namespace {
 constexpr std::size_t kGrain = 4096;  // points per chunk: about a millisecond
 
 // A point's mean distance over its neighbours'. Random points on a surface reach 1.9, scans 2;
-// four spacings off a plane is 2.7.
+// four spacings off a plane is 2.7. A point on the surface beside a part of it that is 16 times
+// denser reaches 3.6: below that, a point must be off the plane of its neighbours.
 constexpr double kIsolated = 2.5;
 constexpr double kSparseIsolated = 2.0;  // where the point is sparse against the whole cloud, too
+constexpr double kFarIsolated = 3.5;
 // Of its 16 neighbours no more count it among theirs. Beside a jump in density a sparse point on
 // the surface has some on its other side.
 constexpr int kMutual = 2;
@@ -27,13 +29,17 @@ constexpr int kMutual = 2;
 // logarithm: six median deviations. As a power of a ratio, since log() differs between machines.
 constexpr double kSparseFactor = 2.0;
 constexpr int kMedianDeviations = 6;
+constexpr double kVerySparse = 3.0;  // so many times that: no part of a surface is, beside another
 // Roundness of neighbourhoods: 0 for planes and lines, 1 for balls. Noise of 0.3 spacings on a
-// surface gives 0.1; 16 random points in space give 0.6.
+// surface gives 0.1, a crease of 90 degrees 0.4; 16 random points in space give 0.6.
 constexpr double kOffPlane = 0.05;
-constexpr double kScattered = 0.25;
-// Sparse points most of whose sparse neighbours are outliers are outliers.
+constexpr double kScattered = 0.45;
+constexpr double kMaybeScattered = 0.25;
+// Sparse points most of whose sparse neighbours are outliers are outliers, and scattered ones many
+// of whose are.
 constexpr int kFewestOutliers = 3;
 constexpr double kMostOutliers = 0.6;
+constexpr double kManyOutliers = 0.35;
 constexpr int kMostRounds = 32;
 
 /// Mean distances above this are sparse.
@@ -81,7 +87,7 @@ class OutlierSearch {
         for_sparse([&](Index i) { marks[i] = marks[i] || is_scattered(i); });
         for (int round = 0; round < kMostRounds; ++round) {
             std::vector<std::uint8_t> grown = marks;
-            for_sparse([&](Index i) { grown[i] = marks[i] || is_among_outliers(i, marks); });
+            for_sparse([&](Index i) { grown[i] = is_among_outliers(i, marks); });
             if (grown == marks) break;
             marks = std::move(grown);
         }
@@ -113,23 +119,33 @@ class OutlierSearch {
     bool is_isolated(std::size_t i) const {
         const double ratio = contrast(i);
         if (!(ratio > kSparseIsolated)) return false;
-        if (num_mutual(i) <= kMutual && (ratio > kIsolated || is_sparse(i))) return true;
-        return is_sparse(i) && roundness(near_, i) > kOffPlane;
+        const bool is_off = roundness(near_, i) > kOffPlane;
+        if (num_mutual(i) > kMutual) return is_off && is_sparse(i) && ratio > kFarIsolated;
+        return (ratio > kIsolated || is_sparse(i)) && (is_off || ratio > kFarIsolated);
+    }
+
+    /// Mean roundness of the neighbourhoods, its own and its neighbours'.
+    double scatter(std::size_t i) const {
+        double sum = 0.0;
+        for (const Index j : near_.of(i)) sum += roundness(near_, j);
+        return 0.5 * (sum / kNeighbors + roundness(near_, i));
     }
 
     bool is_scattered(std::size_t i) const {
-        double sum = 0.0;
-        for (const Index j : near_.of(i)) sum += roundness(near_, j);
-        return 0.5 * (sum / kNeighbors + roundness(near_, i)) > kScattered;
+        const bool is_very_sparse = near_.reach[i] > kVerySparse * sparse_reach_;
+        return scatter(i) > (is_very_sparse ? kMaybeScattered : kScattered);
     }
 
     bool is_among_outliers(std::size_t i, const std::vector<std::uint8_t>& marks) const {
+        if (marks[i]) return true;
         int num_outliers = 0, num_sparse = 0;
         for (const Index j : near_.of(i)) {
             num_outliers += marks[j];
             num_sparse += is_sparse(j) ? 1 : 0;
         }
-        return num_outliers >= kFewestOutliers && num_outliers >= kMostOutliers * num_sparse;
+        if (num_outliers < kFewestOutliers || num_outliers < kManyOutliers * num_sparse)
+            return false;
+        return num_outliers >= kMostOutliers * num_sparse || scatter(i) > kMaybeScattered;
     }
 
     const Neighborhoods& near_;
