@@ -27,6 +27,18 @@ std::string cleaning_text(const CleanReport& clean) {
     return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// What was chosen, and what was measured of the points for it.
+std::string surface_line(const ConvertReport& r) {
+    const ReconstructReport& found = r.reconstruct;
+    if (found.method == Method::kAuto)  // nothing was reconstructed
+        return fmt::format("surface {}: {}", to_word(found.surface), found.reason);
+    std::string line = fmt::format("surface {} by {}: {}; spacing {:.3g}, noise {:.2g} spacings",
+                                   to_word(found.surface), to_word(found.method), found.reason,
+                                   r.attributes.median_spacing, r.denoise.noise);
+    if (r.denoise.is_done) line += fmt::format(", taken out down to {:.2g}", r.denoise.noise_left);
+    return line;
+}
+
 std::string geometry_line(const RunReport& r) {
     const SimplifyReport& simplify = r.convert.simplify;
     std::string line = fmt::format(
@@ -141,6 +153,7 @@ std::vector<std::string> summary_lines(const RunReport& r) {
     std::vector<std::string> lines;
     if (r.convert.clean.num_dropped() > 0)
         lines.push_back(fmt::format("cleaned: {} dropped", cleaning_text(r.convert.clean)));
+    if (!r.convert.reconstruct.reason.empty()) lines.push_back(surface_line(r.convert));
     if (r.last_stage >= Stage::kSimplify) lines.push_back(geometry_line(r));
     if (r.last_stage >= Stage::kTexture && r.convert.atlas.num_texels > 0)
         lines.push_back(texture_line(r));

@@ -251,7 +251,6 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                          : reconstruct(result.cloud, options.reconstruct, context);
             result.dense = std::move(surface.surface);
             result.report.reconstruct = surface.report;
-            log(context, LogLevel::kInfo, "surface: {}", surface.report.reason);
             estimate_unsure_normals(result, surface.unsure_normals, options.attributes, context);
             AttributesResult refined = refine_attributes(std::move(result.cloud), result.dense,
                                                          options.attributes, context);

@@ -12,6 +12,10 @@ usage: measure.py round-trip TRUTH CLOUD RESULT   colour at random points of the
                                                   where both cover a pixel entirely; FOLDER keeps the pictures
        measure.py lettering CLOUD RESULT PROGRAM [-v]     words of the demo model's lettering that tesseract reads in pictures
                                                   of the points and of the mesh; -v: what it reads
+       measure.py watertight PROGRAM CLOUD...     --surface watertight --stop-after simplify of each: closed, 2-manifold by index,
+                                                  oriented, its volume, after numpy and Open3D
+       measure.py walls CLOUD PROGRAM [OPTION...] RMS to the three largest planes, of the mesh over that of the points, where
+                                                  nothing stands near
 
 Needs the bench beside the checkout (../shared/quality, or POINTBAKE_QUALITY), what it needs, and python3-open3d.
 """
@@ -194,16 +198,78 @@ def flat(result):
     print(f"{len(pairs)} pairs")
 
 
+def is_closed(points, triangles):
+    """Each directed edge once, and its opposite: 2-manifold at edges, oriented."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+    there, back = edges[:, 0] * len(points) + edges[:, 1], edges[:, 1] * len(points) + edges[:, 0]
+    return len(np.unique(there)) == len(there) and np.array_equal(np.sort(there), np.sort(back))
+
+
+def watertight(program, *clouds):
+    for cloud in clouds:
+        with tempfile.TemporaryDirectory() as folder:
+            out = os.path.join(folder, "mesh.ply")
+            run = subprocess.run([program, cloud, out, "--surface", "watertight", "--stop-after", "simplify", "-q"], capture_output=True, text=True)
+            if run.returncode:
+                print(os.path.basename(cloud), "exit", run.returncode, run.stderr.strip(), flush=True)
+                continue
+            mesh = o3d.io.read_triangle_mesh(out)
+        points, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
+        a, b, c = (points[triangles[:, k]] for k in range(3))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+        good = is_closed(points, triangles) and mesh.is_vertex_manifold() and mesh.is_edge_manifold(False) and volume > 0
+        print(os.path.basename(cloud), "good" if good else "BAD", len(triangles), "triangles, volume %.4g" % volume, flush=True)
+
+
+def plane_rms(points, normal, middle):
+    return np.sqrt((((points - middle) @ normal) ** 2).mean())
+
+
+def find_walls(cloud, diagonal):
+    """Masks of the points on the three largest planes with no others within 1.5 % of the diagonal; centres, normals."""
+    o3d.utility.random.seed(1)
+    points = np.asarray(cloud.points)
+    tree, left, walls = cKDTree(points), np.arange(len(points)), []
+    while len(walls) < 3:
+        _, found = cloud.select_by_index(left).segment_plane(0.004 * diagonal, 3, 3000)
+        on_plane = np.zeros(len(points), bool)
+        on_plane[left[found]] = True
+        near = tree.query_ball_point(points[on_plane], 0.015 * diagonal)
+        inner = np.zeros(len(points), bool)
+        inner[np.nonzero(on_plane)[0][[on_plane[n].all() for n in near]]] = True
+        middle = points[inner].mean(0)
+        _, axes = np.linalg.eigh((points[inner] - middle).T @ (points[inner] - middle))
+        walls.append((inner, axes[:, 0], middle))
+        left = np.setdiff1d(left, left[found])
+    return walls
+
+
+def walls(path, program, *options):
+    cloud = o3d.io.read_point_cloud(path)
+    points = np.asarray(cloud.points)
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, "mesh.ply")
+        subprocess.run([program, path, out, "--stop-after", "simplify", "-q", *options], check=True)
+        mesh = o3d.io.read_triangle_mesh(out)
+    places = np.asarray(mesh.sample_points_uniformly(400000).points)
+    nearest = cKDTree(points).query(places)[1]
+    for inner, normal, middle in find_walls(cloud, diagonal):
+        of_points, of_mesh = (plane_rms(p, normal, middle) for p in (points[inner], places[inner[nearest]]))
+        print("%d points, RMS %.2g of the diagonal; mesh %.2f of it" % (inner.sum(), of_points / diagonal, of_mesh / of_points))
+
+
 def seams(result):
     print("seam_rms {:.2f}, border_rms {:.2f}".format(*seam_rms(load_mesh(result))))
 
 
 if __name__ == "__main__":
     commands = {"round-trip": (round_trip, 3), "bound": (bound, 3), "dense": (dense, 3), "flat": (flat, 1), "seams": (seams, 1),
-                "held-out": (held_out, 2), "views": (views, 3), "lettering": (lettering, 3)}
+                "held-out": (held_out, 2), "views": (views, 3), "lettering": (lettering, 3),
+                "watertight": (watertight, 2), "walls": (walls, 2)}
     given = len(sys.argv) - 2
     if given < 0 or sys.argv[1] not in commands or given < commands[sys.argv[1]][1]:
         sys.exit(__doc__)
-    if given > commands[sys.argv[1]][1] + (sys.argv[1] in ("views", "lettering")) and sys.argv[1] != "held-out":
+    if given > commands[sys.argv[1]][1] + (sys.argv[1] in ("views", "lettering")) and sys.argv[1] not in ("held-out", "watertight", "walls"):
         sys.exit(__doc__)
     commands[sys.argv[1]][0](*sys.argv[2:])

@@ -72,10 +72,10 @@ ReconstructResult run_implicit(const PointCloud& cloud, Surface wanted, double m
     report.reason =
         wanted == Surface::kAuto
             ? fmt::format(
-                  "{}, implicit: lids on all borders add {:.2f} % of the area (at most "
-                  "{:.0f} % for a closed surface)",
-                  to_word(report.surface), 100 * report.added_area_fraction, 100 * max_added)
-            : fmt::format("{}, implicit: asked for", to_word(report.surface));
+                  "lids on all borders add {:.2f} % of the area (at most {:.0f} % for a "
+                  "closed surface)",
+                  100 * report.added_area_fraction, 100 * max_added)
+            : "asked for";
     return result;
 }
 

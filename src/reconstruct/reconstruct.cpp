@@ -194,11 +194,11 @@ class Stage {
         report_.surface = Surface::kOpen;
         report_.method = Method::kCocone;
         if (is_flat_) {
-            report_.reason = "open: the points lie in a plane";
+            report_.reason = "the points lie in a plane";
             return;
         }
         if (wanted_ == Surface::kOpen) {
-            report_.reason = "open: asked for";
+            report_.reason = "asked for";
             return;
         }
         InsideLabels labels = label_cells(tets_, cocone, surface, context_);
@@ -210,11 +210,10 @@ class Stage {
         const bool is_closed = !closed.facets.empty() && d.added <= kMaxAdded && d.lost <= kMaxLost;
         const bool close = wanted_ == Surface::kWatertight || is_closed;
         report_.reason = fmt::format(
-            "{}: closing adds {:.2f} % of the area (at most {:.0f} % for a closed surface) and "
-            "loses "
+            "closing adds {:.2f} % of the area (at most {:.0f} % for a closed surface) and loses "
             "{:.2f} % of what was found (at most {:.0f} %); {} of {} points are poor",
-            close ? "watertight" : "open", 100 * d.added, 100 * kMaxAdded, 100 * d.lost,
-            100 * kMaxLost, labels.num_poor, tets_.num_real());
+            100 * d.added, 100 * kMaxAdded, 100 * d.lost, 100 * kMaxLost, labels.num_poor,
+            tets_.num_real());
         if (!close) return;
         if (closed.facets.empty())
             fail(ErrorCode::kDegenerate,
@@ -315,8 +314,9 @@ void complete(ReconstructResult& result, std::size_t num_points, const Context& 
     const Index num_used =
         surface.vertex_points.empty() ? 0 : t.num_vertices - report.num_split_vertices;
     report.num_unused = static_cast<Index>(num_points) - num_used;
-    log(context, LogLevel::kInfo, "reconstruct: {}; {} triangles, {} components, {} borders",
-        report.reason, t.num_triangles, t.num_components, t.num_boundary_loops);
+    log(context, LogLevel::kInfo, "reconstruct: {}: {}; {} triangles, {} components, {} borders",
+        to_word(report.surface), report.reason, t.num_triangles, t.num_components,
+        t.num_boundary_loops);
     report_progress(context, kStage, 1.0);
 }
 

@@ -41,6 +41,8 @@ TEST_F(Conversion, WritesAGlbBesideTheInputAndASummaryToStderr) {
     EXPECT_THAT(folder_.read("in.glb"), testing::StartsWith("glTF"));
     EXPECT_EQ(done.out, "");
     EXPECT_THAT(done.err, HasSubstr("3,000 points"));
+    EXPECT_THAT(done.err,
+                testing::ContainsRegex("surface [a-z]+ by [a-z-]+: .* noise .* spacings"));
     EXPECT_THAT(done.err, HasSubstr("wrote in.glb"));
     EXPECT_THAT(done.err, testing::Not(HasSubstr("\033"))) << "a bar off the terminal";
 }

@@ -391,7 +391,7 @@ TEST(Reconstruct, NamesThePointUnderEachVertex) {
 
 TEST(Reconstruct, SaysWhyItChose) {
     const ReconstructResult r = reconstruct(shapes::half_sphere_cloud(2000));
-    EXPECT_THAT(r.report.reason, testing::HasSubstr("open: closing adds 3"));
+    EXPECT_THAT(r.report.reason, testing::HasSubstr("closing adds 3"));
     EXPECT_EQ(r.report.method, Method::kCocone);
 }
 
