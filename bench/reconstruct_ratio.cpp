@@ -1,5 +1,5 @@
-// Processor time of the stage on one thread over that of the triangulation of the same points in
-// the same run, the figure that reconstruct is held to:
+// Processor time of the stage over that of CGAL's sequential Delaunay triangulation of the same
+// points in the same run, the figure that reconstruct is held to:
 //
 //     reconstruct_ratio cocone|tight-cocone|robust-cocone|implicit|denoise [POINTS [NOISE
 //     [THREADS]]]
@@ -19,10 +19,9 @@
 #include <string>
 
 #include "core/memory.h"
+#include "plain_delaunay.h"
 #include "pointbake/denoise.h"
 #include "pointbake/reconstruct.h"
-#include "reconstruct/delaunay.h"
-#include "reconstruct/tetrahedra.h"
 #include "support/shapes.h"
 
 namespace pointbake {
@@ -108,7 +107,6 @@ int run(const std::string& word, std::uint64_t n, double noise, int threads) {
     context.threads = threads;
     const std::uint64_t before = resident_bytes();
     Seconds stage, triangulation;
-    std::vector<Vec3d> sorted;  // as the stage sorts them, with its far points
     double off = 0.0, bytes = 0.0;
     std::uint64_t triangles = 0, points = n;
     for (int i = 0; i < kRuns; ++i) {
@@ -125,8 +123,7 @@ int run(const std::string& word, std::uint64_t n, double noise, int threads) {
         });
         if (i == 0)
             bytes = static_cast<double>(peak_memory_bytes() - before) / static_cast<double>(points);
-        if (i == 0) sorted = tetrahedralize(cloud.positions, {.threads = 1}).points;
-        time_best(triangulation, [&] { delaunay(sorted, {.threads = 1}); });
+        time_best(triangulation, [&] { plain_delaunay(cloud.positions); });
     }
     std::printf(
         "%s, %llu points, noise %.2f, %d threads: %.2f s of processor, %.2f s; triangulation %.2f; "

@@ -61,6 +61,28 @@ class NearestSet {
     double bound_ = std::numeric_limits<double>::infinity();
 };
 
+/// Any other point than one's own within a distance.
+class AnyOther {
+ public:
+    AnyOther(Index own, double squared_distance) : own_(own), bound_(squared_distance) {}
+
+    std::size_t size() const { return is_found_ ? 1 : 0; }
+    bool full() const { return true; }
+    double worstDist() const { return bound_; }
+    bool is_found() const { return is_found_; }
+
+    // nanoflann goes on where this is true.
+    bool addPoint(double, Index index) {
+        is_found_ = is_found_ || index != own_;
+        return !is_found_;
+    }
+
+ private:
+    Index own_;
+    double bound_;
+    bool is_found_ = false;
+};
+
 using Tree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points, double, Index>,
                                         Points, 3, Index>;
@@ -86,6 +108,14 @@ std::span<Neighbor> KdTree::nearest(Vec3d query, std::span<Neighbor> out) const 
     const double coordinates[3] = {query.x, query.y, query.z};
     impl_->tree.findNeighbors(found, coordinates, nanoflann::SearchParams());
     return out.first(found.size());
+}
+
+bool KdTree::has_nearer(Index point, double squared_distance) const {
+    const Vec3d& p = impl_->points.positions[point];
+    AnyOther found(point, squared_distance * kBoundSlack + std::numeric_limits<double>::min());
+    const double coordinates[3] = {p.x, p.y, p.z};
+    impl_->tree.findNeighbors(found, coordinates, nanoflann::SearchParams());
+    return found.is_found();
 }
 
 }  // namespace pointbake

@@ -26,6 +26,9 @@ class KdTree {
     /// returns `out`'s prefix.
     std::span<Neighbor> nearest(Vec3d query, std::span<Neighbor> out) const;
 
+    /// Whether another point than this one is nearer to it than that, or in the same place.
+    bool has_nearer(Index point, double squared_distance) const;
+
  private:
     struct Impl;
     std::unique_ptr<Impl> impl_;

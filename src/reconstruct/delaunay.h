@@ -1,5 +1,4 @@
-// The Delaunay tetrahedralization of points, as plain arrays. The only place that knows which
-// library computes it.
+// The Delaunay tetrahedralization of points, as plain arrays.
 #pragma once
 
 #include <array>
@@ -28,7 +27,8 @@ bool has_delaunay();
 /// which decides speed alone. Exact predicates and a symbolic perturbation that depends on
 /// coordinates only: the cells are unique, also for cospherical points, and come in ascending order
 /// of their vertices, for any number of threads. Fewer than 4 points or coplanar ones give no
-/// cells. Near linear time, about 0.7 kB per point while it runs. Throws Error{kCancelled}, and
+/// cells. Near linear time, about 0.5 kB per point while it runs, on one thread but for
+/// the last part. Throws Error{kCancelled}, and
 /// Error{kUnsupported} where the program is built without a triangulation.
 Delaunay delaunay(std::span<const Vec3d> points, const Context& context = {},
                   std::span<const Index> subset = {});

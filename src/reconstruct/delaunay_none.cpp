@@ -1,4 +1,4 @@
-// Stands in for delaunay_cgal.cpp in builds without CGAL (-DPOINTBAKE_CGAL=OFF).
+// Stands in for delaunay.cpp in builds without CGAL (-DPOINTBAKE_CGAL=OFF).
 #include "core/message.h"
 #include "reconstruct/delaunay.h"
 

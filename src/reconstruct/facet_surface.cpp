@@ -37,15 +37,6 @@ std::vector<HalfFacet> list_boundary(const Tetrahedra& tets,
     return facets;
 }
 
-std::vector<Triangle> triangles_of(const Tetrahedra& tets, const std::vector<HalfFacet>& facets,
-                                   const Context& context) {
-    std::vector<Triangle> triangles(facets.size());
-    parallel_for(context, facets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) triangles[t] = tets.triangle(facets[t]);
-    });
-    return triangles;
-}
-
 std::size_t corner_of(const Triangle& t, Index v) { return t[0] == v ? 0 : (t[1] == v ? 1 : 2); }
 
 // Edges that more than one triangle runs along in the same direction.
@@ -266,6 +257,15 @@ void drop_extra(const std::vector<Edge>& crowded, const Fans& fans, FacetSurface
 
 }  // namespace
 
+std::vector<Triangle> triangles_of(const Tetrahedra& tets, std::span<const HalfFacet> facets,
+                                   const Context& context) {
+    std::vector<Triangle> triangles(facets.size());
+    parallel_for(context, facets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) triangles[t] = tets.triangle(facets[t]);
+    });
+    return triangles;
+}
+
 void drop_facets(std::span<const std::uint8_t> dropped, FacetSurface& surface) {
     std::vector<Index> renumbered(surface.facets.size(), kInvalidIndex);
     FacetSurface rest;
@@ -302,9 +302,14 @@ FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& insi
                          const Context& context) {
     relabel_pinched_edges(tets, inside, context);
     FacetSurface surface{list_boundary(tets, inside, context), {}};
-    std::vector<Index> number(tets.cells.size() * 4, kInvalidIndex);
-    for (std::size_t t = 0; t < surface.facets.size(); ++t)
-        number[surface.facets[t]] = static_cast<Index>(t);
+    std::vector<Index> first_of(tets.cells.size());  // facet of the surface, if the cell has one
+    for (std::size_t t = surface.facets.size(); t-- > 0;)
+        first_of[surface.facets[t] / 4] = static_cast<Index>(t);
+    const auto number_of = [&](HalfFacet facet) {
+        Index t = first_of[facet / 4];
+        while (surface.facets[t] != facet) ++t;
+        return t;
+    };
     surface.mates.resize(surface.facets.size());
     parallel_for(context, surface.facets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
@@ -312,7 +317,7 @@ FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& insi
             for (std::size_t k = 0; k < 3; ++k) {
                 const HalfFacet other = across(tets, inside, surface.facets[t], k);
                 const std::size_t start = corner_of(tets.triangle(other), own[(k + 1) % 3]);
-                surface.mates[t][k] = number[other] * 3 + static_cast<Index>(start);
+                surface.mates[t][k] = number_of(other) * 3 + static_cast<Index>(start);
             }
         }
     });

@@ -17,6 +17,10 @@ struct FacetSurface {
     std::vector<std::array<Index, 3>> mates;
 };
 
+/// The points of each facet.
+std::vector<Triangle> triangles_of(const Tetrahedra& tets, std::span<const HalfFacet> facets,
+                                   const Context& context);
+
 /// Takes facets away; edges that they were mates at become borders.
 void drop_facets(std::span<const std::uint8_t> dropped, FacetSurface& surface);
 

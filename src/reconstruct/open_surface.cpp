@@ -8,6 +8,7 @@
 #include <numeric>
 #include <span>
 
+#include "core/adjacency.h"
 #include "core/parallel.h"
 #include "reconstruct/pieces.h"
 
@@ -55,6 +56,23 @@ class Walker {
         bool alive;
     };
 
+    // Each seen from one side.
+    struct Candidates {
+        std::vector<HalfFacet> facets;
+        std::vector<Triangle> triangles;
+        VertexTriangles around;
+    };
+
+    Candidates list_candidates() const {
+        Candidates candidates;
+        for (HalfFacet f = 0; f < state_.size(); ++f)
+            if (state_[f] != kNone && tets_.neighbors[f / 4][f % 4] > f / 4)
+                candidates.facets.push_back(f);
+        candidates.triangles = triangles_of(tets_, candidates.facets, context_);
+        candidates.around = vertex_triangles(tets_.num_real(), candidates.triangles);
+        return candidates;
+    }
+
     // Cocone's facets, and those that all their points agree on though none is flat (along creases
     // and borders), as long as they are not far larger than the spacing.
     bool is_candidate(const Cocone& cocone, HalfFacet f) const {
@@ -76,18 +94,15 @@ class Walker {
     // Marks the facets that hang over at v: those that are left over when facets with a free edge
     // at v are taken away one after the other, and a closed umbrella remains, which goes around v
     // if that is asked for.
-    void find_hanging(Index v, bool is_strict, std::vector<Spoke>& spokes,
-                      std::vector<HalfFacet>& hanging) const {
+    void find_hanging(Index v, const Candidates& candidates, bool is_strict,
+                      std::vector<Spoke>& spokes, std::vector<HalfFacet>& hanging) const {
         spokes.clear();
-        for (Index c : tets_.star(v)) {
-            for (Index i = 0; i < 4; ++i) {
-                const HalfFacet f = c * 4 + i;
-                if (tets_.cells[c][i] == v || state_[f] == kNone || tets_.neighbors[c][i] < c)
-                    continue;
-                const Triangle t = tets_.triangle(f);
-                const std::size_t k = t[0] == v ? 0 : (t[1] == v ? 1 : 2);
-                spokes.push_back({t[(k + 1) % 3], t[(k + 2) % 3], f, true});
-            }
+        for (Index number : candidates.around.of(v)) {
+            const HalfFacet f = candidates.facets[number];
+            if (state_[f] == kNone) continue;
+            const Triangle& t = candidates.triangles[number];
+            const std::size_t k = t[0] == v ? 0 : (t[1] == v ? 1 : 2);
+            spokes.push_back({t[(k + 1) % 3], t[(k + 2) % 3], f, true});
         }
         std::size_t num_alive = spokes.size();
         for (bool changed = true; changed;) {
@@ -127,6 +142,7 @@ class Walker {
     // umbrella of a noisy cloud must go around its point: a disc that has a gap since the round
     // before must not give way to a sliver, or one gap after the other eats the surface.
     void prune() {
+        const Candidates candidates = list_candidates();
         std::vector<Index> todo(tets_.num_real());
         std::iota(todo.begin(), todo.end(), Index{0});
         for (int round = 0; !todo.empty(); ++round) {
@@ -134,7 +150,8 @@ class Walker {
             parallel_for(context_, todo.size(), kGrain, [&](std::size_t begin, std::size_t end) {
                 std::vector<Spoke> spokes;
                 for (std::size_t k = begin; k < end; ++k)
-                    find_hanging(todo[k], is_noisy_ && round > 0, spokes, parts[begin / kGrain]);
+                    find_hanging(todo[k], candidates, is_noisy_ && round > 0, spokes,
+                                 parts[begin / kGrain]);
             });
             todo.clear();
             for (const auto& part : parts) {

@@ -13,6 +13,7 @@ constexpr std::size_t kLargePiece = 12, kMinPiece = 4;
 // neighbour on a larger piece within so many spacings: most often what is left where two sheets are
 // closer than the points of either.
 constexpr std::size_t kLargestFlake = 128;
+static_assert(kLargestFlake >= kLargePiece);
 constexpr double kFlakeReach = 1.5;
 
 class Chooser {
@@ -20,7 +21,11 @@ class Chooser {
     Chooser(const Tetrahedra& tets, std::span<const float> spacing)
         : tets_(tets), spacing_(spacing), is_used_(tets.num_real(), 0) {}
 
-    bool is_worth(std::size_t num_triangles, const std::vector<Index>& points) const {
+    // Leaves each point once.
+    bool is_worth(std::size_t num_triangles, std::vector<Index>& points) const {
+        if (num_triangles > kLargestFlake) return true;
+        std::sort(points.begin(), points.end());
+        points.erase(std::unique(points.begin(), points.end()), points.end());
         return !is_leftover(num_triangles, points) && !is_flake(num_triangles, points);
     }
 
@@ -95,8 +100,6 @@ std::vector<std::uint8_t> choose_pieces(const Tetrahedra& tets, std::span<const 
         const auto piece = pieces.of(by_size[rank]);
         points.clear();
         for (Index t : piece) points.insert(points.end(), triangles[t].begin(), triangles[t].end());
-        std::sort(points.begin(), points.end());
-        points.erase(std::unique(points.begin(), points.end()), points.end());
         if (rank > 0 && !chooser.is_worth(piece.size(), points)) continue;
         is_kept[by_size[rank]] = 1;
         chooser.keep(points);

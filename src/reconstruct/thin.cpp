@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "core/hash.h"
@@ -53,12 +54,15 @@ class Thinner {
  private:
     using Buffer = std::array<Neighbor, kNeighbors + 1>;  // the point itself is among them
 
+    // 0 for a point with no other one as near: most have none, and a look at the points next to
+    // them in order, which are no nearer than the nearest ones, tells.
     void find_reach() {
-        reach2_.resize(points_.size());
-        may_have_rivals_.resize(points_.size());
+        reach2_.assign(points_.size(), 0.0);
+        may_have_rivals_.assign(points_.size(), 0);
         parallel_for(context_, points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
             Buffer buffer;
             for (std::size_t i = begin; i < end; ++i) {
+                if (!tree_.has_nearer(static_cast<Index>(i), largest_reach2(i))) continue;
                 const auto found = tree_.nearest(points_[i], buffer);
                 const double density =
                     static_cast<double>(std::max<std::size_t>(found.size(), 2) - 1);
@@ -68,6 +72,18 @@ class Thinner {
                     found.size() > 1 && found[1].squared_distance < reach2_[i] ? 1 : 0;
             }
         });
+    }
+
+    // The farthest of as many points as are looked at is no nearer than that of the nearest ones.
+    double largest_reach2(std::size_t point) const {
+        if (points_.size() <= kNeighbors) return HUGE_VAL;
+        const std::size_t begin =
+            std::min(point - std::min(point, kNeighbors / 2), points_.size() - kNeighbors - 1);
+        double farthest2 = 0.0;
+        for (std::size_t k = begin; k <= begin + kNeighbors; ++k)
+            farthest2 = std::max(farthest2, squared_length(points_[k] - points_[point]));
+        constexpr double kSlack = 1.0 + 1e-9;  // for the rounding
+        return kSlack * share_ * share_ * kPi * farthest2 / static_cast<double>(kNeighbors);
     }
 
     // Per point those that are too near for both to stay. Few points have any.

@@ -8,6 +8,7 @@
 #include "reconstruct/tight_cocone.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "core/adjacency.h"
@@ -39,7 +40,9 @@ class Labeller {
           cocone_(cocone),
           surface_(surface),
           context_(context),
-          wall_(tets.cells.size() * 4, 0) {
+          wall_(tets.cells.size() * 4, 0),
+          triangles_(triangles_of(tets, surface.facets, context)),
+          around_(vertex_triangles(tets.num_real(), triangles_)) {
         for (HalfFacet f : surface.facets) wall_[f] = wall_[tets.mirror(f)] = 1;
     }
 
@@ -64,15 +67,10 @@ class Labeller {
 
     void spokes_at(Index v, std::vector<Spoke>& spokes) const {
         spokes.clear();
-        for (Index c : tets_.star(v)) {
-            for (Index i = 0; i < 4; ++i) {
-                const HalfFacet facet = c * 4 + i;
-                if (tets_.cells[c][i] == v || wall_[facet] == 0) continue;
-                if (tets_.neighbors[c][i] < c) continue;
-                const Triangle t = tets_.triangle(facet);
-                const std::size_t k = t[0] == v ? 0 : (t[1] == v ? 1 : 2);
-                spokes.push_back({t[(k + 1) % 3], t[(k + 2) % 3], facet});
-            }
+        for (Index number : around_.of(v)) {
+            const Triangle& t = triangles_[number];
+            const std::size_t k = t[0] == v ? 0 : (t[1] == v ? 1 : 2);
+            spokes.push_back({t[(k + 1) % 3], t[(k + 2) % 3], surface_.facets[number]});
         }
     }
 
@@ -159,8 +157,6 @@ class Labeller {
     // Good vertices joined by facets form patches, in each of which the sides agree after some are
     // exchanged.
     void find_patches() {
-        const auto triangles = surface_triangles();
-        const auto around = vertex_triangles(tets_.num_real(), triangles);
         patch_of_.assign(tets_.num_real(), kInvalidIndex);
         std::vector<Index> queue;
         for (Index first = 0; first < tets_.num_real(); ++first) {
@@ -170,8 +166,8 @@ class Labeller {
             queue.assign(1, first);
             for (std::size_t head = 0; head < queue.size(); ++head) {
                 const Index v = queue[head];
-                for (Index t : around.of(v))
-                    for (Index u : triangles[t])
+                for (Index t : around_.of(v))
+                    for (Index u : triangles_[t])
                         if (good_[u] != 0 && patch_of_[u] == kInvalidIndex) {
                             align(u, v, surface_.facets[t] / 4);
                             patch_of_[u] = patch;
@@ -180,15 +176,6 @@ class Labeller {
             }
             patch_members_.push_back(queue);
         }
-    }
-
-    std::vector<Triangle> surface_triangles() const {
-        std::vector<Triangle> triangles(surface_.facets.size());
-        parallel_for(context_, triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t t = begin; t < end; ++t)
-                triangles[t] = tets_.triangle(surface_.facets[t]);
-        });
-        return triangles;
     }
 
     // Exchanges u's sides if a cell at both is on different ones.
@@ -205,6 +192,7 @@ class Labeller {
     };
 
     std::vector<Link> find_links() const {
+        if (patch_members_.size() < 2) return {};
         std::vector<Link> all;
         for (Index c = 0; c < tets_.num_cells(); ++c) {
             for (Index i = 0; i < 4; ++i) {
@@ -381,10 +369,17 @@ class Labeller {
         drop_slips();
         InsideLabels labels;
         labels.num_poor = num_poor_;
-        for (Index c = 0; c < tets_.num_cells(); ++c) {
-            const Votes votes = votes_of(c);
-            labels.num_conflicts += votes.in > 0 && votes.out > 0 ? 1 : 0;
-        }
+        labels.num_conflicts = parallel_reduce(
+            context_, tets_.num_cells(), kGrain, Index{0},
+            [&](std::size_t begin, std::size_t end) {
+                Index n = 0;
+                for (Index c = static_cast<Index>(begin); c < end; ++c) {
+                    const Votes votes = votes_of(c);
+                    n += votes.in > 0 && votes.out > 0 ? 1 : 0;
+                }
+                return n;
+            },
+            std::plus<>());
         labels.inside = std::move(outside_);
         for (std::uint8_t& label : labels.inside) label ^= 1;
         return labels;
@@ -394,7 +389,9 @@ class Labeller {
     const Cocone& cocone_;
     const FacetSurface& surface_;
     const Context& context_;
-    std::vector<std::uint8_t> wall_;  // per half facet: part of the surface
+    std::vector<std::uint8_t> wall_;   // per half facet: part of the surface
+    std::vector<Triangle> triangles_;  // of the surface
+    VertexTriangles around_;
     std::vector<std::uint8_t> good_, outside_;
     std::vector<std::int8_t> sides_;  // per cell and vertex: side of the vertex's disc, 0 = none
     std::vector<Index> patch_of_;

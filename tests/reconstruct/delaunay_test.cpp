@@ -82,6 +82,14 @@ TEST(Delaunay, IsUniqueForCosphericalPoints) {
     EXPECT_EQ(delaunay(grid).cells, delaunay(grid, {}, shuffled).cells);
 }
 
+TEST(Delaunay, LeavesOutPointsInThePlaceOfOthers) {
+    const std::vector<Vec3d> points = random_points(200);
+    std::vector<Vec3d> twice = points;
+    twice.insert(twice.end(), points.rbegin(), points.rend());
+    twice.insert(twice.end(), 20, points.front());
+    EXPECT_EQ(delaunay(twice).cells.size(), delaunay(points).cells.size());
+}
+
 TEST(Delaunay, TakesASubset) {
     const std::vector<Vec3d> points = random_points(100);
     std::vector<Index> odd;
