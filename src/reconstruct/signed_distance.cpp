@@ -352,14 +352,22 @@ FieldSample SignedDistance::describe(Vec3d place, std::span<const Near> near) co
     return describe(near, fit);
 }
 
-std::vector<FieldSample> SignedDistance::at(std::span<const Vec3d> places) const {
+std::vector<FieldSample> SignedDistance::at(std::span<const Vec3d> places,
+                                            const Context& context) const {
     std::vector<std::pair<std::uint64_t, std::size_t>> order(places.size());
-    for (std::size_t i = 0; i < places.size(); ++i)
-        order[i] = {morton(places[i], cells_per_unit_), i};
-    std::ranges::sort(order);
+    parallel_for(context, places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            order[i] = {morton(places[i], cells_per_unit_), i};
+    });
+    parallel_sort(context, order);
     std::vector<FieldSample> samples(places.size());
-    Cursor cursor(*this);
-    for (const auto& [code, i] : order) samples[i] = describe(places[i], cursor.near(places[i]));
+    parallel_for(context, places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        Cursor cursor(*this);
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t i = order[k].second;
+            samples[i] = describe(places[i], cursor.near(places[i]));
+        }
+    });
     return samples;
 }
 

@@ -31,7 +31,7 @@ class SignedDistance {
 
     /// At each place; fastest where places are near each other. O(log n + points within reach)
     /// each; about 70 are, without noise.
-    std::vector<FieldSample> at(std::span<const Vec3d> places) const;
+    std::vector<FieldSample> at(std::span<const Vec3d> places, const Context& context) const;
     /// Whether a point lies within the radius, of those that do not reach farther than
     /// `most_reach`. O(log n) where one does or none is near.
     bool has_point_within(Vec3d place, double radius, double most_reach = HUGE_VAL) const;
