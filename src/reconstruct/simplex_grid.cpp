@@ -131,6 +131,21 @@ void SimplexGrid::for_each_parent(const Point& p, Visit&& visit) const {
     }
 }
 
+/// Whether another parent of the child is there to visit it: the first one that may be.
+bool SimplexGrid::is_left_to(const Point& child, const Point& parent) const {
+    const Shape s = shape(child);
+    Point first = child;
+    if (s.kind == kCube) {
+        if (2 * s.half == kCubeUnits) return false;
+        const Point even = edge_end(child, false);
+        first = moved(even, 0, 2 * (child[0] - even[0]));
+    } else {
+        const std::size_t across = s.kind == kFace ? s.axis : (s.axis == 0 ? 1 : 0);
+        first = moved(child, across, -s.half);
+    }
+    return first != parent && is_inside(first) && find(first) != kInvalidIndex;
+}
+
 void SimplexGrid::split(const Point& point) {
     std::vector<Point> pending{point};
     while (!pending.empty()) {

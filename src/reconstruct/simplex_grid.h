@@ -52,8 +52,8 @@ class SimplexGrid {
     Index find(const Point& point) const { return table_[slot_of(key_of(point))].node; }
     /// Makes an edge's midpoint a node, and those that it needs.
     void split(const Point& point);
-    /// Calls visit(point) for the midpoints of the edges that came with a node, nodes or not. The
-    /// ends of the edges are nodes.
+    /// Calls visit(point) for the midpoints of the edges that came with a node, nodes or not; most
+    /// come with several nodes and are visited once. The ends of the edges are nodes.
     template <class Visit>
     void for_each_child(Index node, Visit&& visit) const;
 
@@ -92,6 +92,7 @@ class SimplexGrid {
         return bits(p[0]) | bits(p[1]) << 21 | bits(p[2]) << 42;
     }
     bool is_inside(const Point& p) const;
+    bool is_left_to(const Point& child, const Point& parent) const;
     std::size_t slot_of(std::uint64_t key) const;
     bool add(const Point& p);
     void grow_table();
@@ -114,7 +115,7 @@ template <class Visit>
 void SimplexGrid::for_each_child(Index node, Visit&& visit) const {
     const Point p = points_[node];
     const auto visit_inside = [&](const Point& q) {
-        if (is_inside(q)) visit(q);
+        if (is_inside(q) && !is_left_to(q, p)) visit(q);
     };
     const auto visit_octants = [&](std::int32_t by) {
         for (const std::int32_t x : {-by, by})
