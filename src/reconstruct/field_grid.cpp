@@ -19,7 +19,7 @@ constexpr double kFarthest = 8.0;
 constexpr double kSlack = 1.1;
 // By how much the field may depart from a linear one along an edge, in spacings. Without noise, and
 // per noise.
-constexpr double kTolerance = 0.02, kTolerancePerNoise = 0.05;
+constexpr double kTolerance = 0.015, kTolerancePerNoise = 0.05;
 // Below this density the surface is extrapolated: not worth a fine grid.
 constexpr float kLeastDensity = 0.1F;
 

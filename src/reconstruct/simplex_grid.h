@@ -93,6 +93,7 @@ class SimplexGrid {
     }
     bool is_inside(const Point& p) const;
     bool is_left_to(const Point& child, const Point& parent) const;
+    static std::size_t home_of(std::uint64_t key);
     std::size_t slot_of(std::uint64_t key) const;
     bool add(const Point& p);
     void grow_table();
