@@ -22,6 +22,8 @@ using Key = std::uint64_t;  ///< of a mesh vertex: node outside, node inside
 constexpr std::size_t kGrain = 4096;
 // A vertex is moved if an edge is cut within this share of its length from it.
 constexpr float kSnapShare = 0.25F;
+// And if its value is no larger: a quarter of the longest edge near the points.
+constexpr float kMostSnapped = 1.0F;
 
 enum Sign : std::int8_t { kInside = -1, kZero = 0, kOutside = 1, kNone = 2 };
 
@@ -43,7 +45,8 @@ class Marcher {
     }
 
     Contour run(std::span<const std::uint8_t> may_snap) {
-        tets_ = grid_.leaves(context_, [&](const Tet& t) { return is_mixed(t); });
+        tets_ = grid_.leaves(context_,
+                             [&](const Tet& t) { return is_mixed(t) || may_be_lid(t, may_snap); });
         snap(may_snap);
         return assemble();
     }
@@ -56,6 +59,19 @@ class Marcher {
             (signs_[v] == kInside ? has_inside : has_outside) = true;
         }
         return has_inside && has_outside;
+    }
+
+    bool may_move(Index v, std::span<const std::uint8_t> may_snap) const {
+        return may_snap[v] && std::abs(values_[v]) <= kMostSnapped;
+    }
+    /// Tetrahedra inside of which three vertices are moved have a facet, too.
+    bool may_be_lid(const Tet& t, std::span<const std::uint8_t> may_snap) const {
+        int num_near = 0;
+        for (const Index v : t) {
+            if (signs_[v] != kInside) return false;
+            num_near += may_move(v, may_snap) ? 1 : 0;
+        }
+        return num_near >= 3;
     }
 
     void snap(std::span<const std::uint8_t> may_snap);
@@ -84,7 +100,7 @@ void Marcher::find_candidates(std::span<const std::uint8_t> may_snap) {
             for (const Index b : t) {
                 if (signs_[a] == signs_[b]) continue;
                 const float fa = std::abs(values_[a]), fb = std::abs(values_[b]);
-                if (fa <= kSnapShare * (fa + fb)) is_near[a] = may_snap[a];
+                if (fa <= kSnapShare * (fa + fb)) is_near[a] = may_move(a, may_snap);
             }
     for (Index v = 0; v < is_near.size(); ++v)
         if (is_near[v]) zeros_.push_back(v), signs_[v] = kZero;
@@ -136,17 +152,6 @@ bool Marcher::is_fan(Index zero) const {
 
 void Marcher::snap(std::span<const std::uint8_t> may_snap) {
     find_candidates(may_snap);
-    // Tetrahedra inside of which three vertices are moved now have a facet, too.
-    const auto more = grid_.leaves(context_, [&](const Tet& t) {
-        std::size_t num_zeros = 0;
-        bool is_inside = true;
-        for (const Index v : t) {
-            num_zeros += signs_[v] == kZero;
-            is_inside = is_inside && signs_[v] != kNone && values_[v] < 0.0F;
-        }
-        return is_inside && num_zeros == 3;
-    });
-    tets_.insert(tets_.end(), more.begin(), more.end());
     find_stars();
     // Giving signs back brings others about; there are few.
     std::vector<std::uint8_t> is_bad(zeros_.size());

@@ -13,9 +13,13 @@ constexpr std::size_t kGrain = 4096;
 // Longest edges of the tetrahedra at the surface, in spacings: shorter ones are not split, longer
 // ones always.
 constexpr double kFinest = 1.5, kCoarsest = 4.0;
+// Ends farther apart than this do not know what is between them.
+constexpr double kFarthest = 8.0;
+// The surface is no plane.
+constexpr double kSlack = 1.1;
 // By how much the field may depart from a linear one along an edge, in spacings. Without noise, and
 // per noise.
-constexpr double kTolerance = 0.02, kTolerancePerNoise = 0.05;
+constexpr double kTolerance = 0.015, kTolerancePerNoise = 0.05;
 // Below this density the surface is extrapolated: not worth a fine grid.
 constexpr float kLeastDensity = 0.1F;
 
@@ -36,15 +40,13 @@ SimplexGrid make_grid(const SignedDistance& field) {
     return SimplexGrid(corner, size, num_cubes);
 }
 
-/// How far the field departs from a linear one along an edge: half the second difference of its
-/// values there, or what the turn of the normals amounts to.
-double bending(const FieldSample& middle, const FieldSample& a, const FieldSample& b,
-               double edge_length) {
-    const double surplus = std::abs(middle.value - 0.5F * (a.value + b.value));
-    const float turn = std::max(length(middle.normal - a.normal), length(middle.normal - b.normal));
-    // A circle's arc: the normals turn by edge / (2 R) on half the edge, the rise is edge^2 / (8
-    // R).
-    return std::max(surplus, 0.25 * edge_length * turn);
+/// How far the field departs from a linear one along an edge from a to b. On a circle of radius R
+/// the normals turn by edge / R, and the arc rises by edge^2 / (8 R). Between two sheets that face
+/// the same way only the values jump.
+double bending(const FieldSample& a, const FieldSample& b, Vec3d edge) {
+    const double turn = length(a.normal - b.normal);
+    const double rise = 0.5 * dot(vec_cast<double>(a.normal + b.normal), edge);
+    return std::max(0.125 * length(edge) * turn, 0.25 * std::abs(b.value - a.value - rise));
 }
 
 class Refiner {
@@ -55,18 +57,13 @@ class Refiner {
           tolerance_(kTolerance + kTolerancePerNoise * field.noise()),
           result_{make_grid(field), {}} {}
 
-    /// Rounds of: sample new vertices, find candidates around them, split those that need it.
+    /// Rounds of: sample new nodes, split edges that came with them.
     FieldGrid run() {
         SimplexGrid& grid = result_.grid;
-        for (std::size_t done = 0; done < grid.vertices().size();) {
-            const std::size_t end = grid.vertices().size();
+        for (Index done = 0; done < grid.num_nodes();) {
+            const Index end = grid.num_nodes();
             sample_new_nodes();
-            const Index first = grid.num_nodes();
-            for (const Point& p : find_candidates(done, end)) grid.add(p);
-            sample_new_nodes();
-            const std::vector<std::uint8_t> wants = find_wants(first);
-            for (std::size_t i = 0; i < wants.size(); ++i)
-                if (wants[i]) grid.split(first + static_cast<Index>(i));
+            for (const Point& p : find_wants(done, end)) grid.split(p);
             done = end;
         }
         return std::move(result_);
@@ -77,25 +74,21 @@ class Refiner {
 
     void sample_new_nodes() {
         const std::size_t first = result_.samples.size();
-        result_.samples.resize(result_.grid.num_nodes());
-        const std::span fresh = std::span(result_.samples).subspan(first);
-        parallel_for(context_, fresh.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-            std::vector<Vec3d> places;
-            for (std::size_t i = begin; i < end; ++i)
-                places.push_back(result_.grid.place(static_cast<Index>(first + i)));
-            std::ranges::copy(field_.at(places),
-                              fresh.begin() + static_cast<std::ptrdiff_t>(begin));
-        });
+        std::vector<Vec3d> places;
+        for (std::size_t i = first; i < result_.grid.num_nodes(); ++i)
+            places.push_back(result_.grid.place(static_cast<Index>(i)));
+        const std::vector<FieldSample> fresh = field_.at(places, context_);
+        result_.samples.insert(result_.samples.end(), fresh.begin(), fresh.end());
     }
 
-    /// Around the vertices from `begin` to `end`, in the order in which they came.
-    std::vector<Point> find_candidates(std::size_t begin, std::size_t end) const {
-        const SimplexGrid& grid = result_.grid;
+    /// Edges to split, by their midpoints, of those that came with the nodes from `begin` to `end`;
+    /// some more than once.
+    std::vector<Point> find_wants(Index begin, Index end) const {
         const auto in_range = [&](std::size_t first, std::size_t last) {
             std::vector<Point> found;
-            for (std::size_t i = begin + first; i < begin + last; ++i)
-                grid.for_each_child(grid.vertices()[i], [&](const Point& p) {
-                    if (grid.find(p) == kInvalidIndex && may_want_split(p)) found.push_back(p);
+            for (std::size_t i = first; i < last; ++i)
+                result_.grid.for_each_child(begin + static_cast<Index>(i), [&](const Point& p) {
+                    if (wants_split(p)) found.push_back(p);
                 });
             return found;
         };
@@ -107,44 +100,25 @@ class Refiner {
                                append);
     }
 
-    /// False where the ends of the edge tell already that it is short enough, or that the surface
-    /// passes elsewhere: most samples are saved so.
-    bool may_want_split(const Point& p) const {
-        const auto [a, b] = result_.grid.edge(p);
-        const FieldSample &at_a = result_.samples[a], &at_b = result_.samples[b];
-        if (!at_a.is_known || !at_b.is_known) return true;
-        const double edge_length = result_.grid.edge_length(p);
-        const double spacing = std::min(at_a.spacing, at_b.spacing);
-        if (edge_length <= kFinest * spacing) return false;
-        const double height = std::max(std::abs(at_a.value), std::abs(at_b.value));
-        return edge_length > kCoarsest * spacing ||
-               height - 0.5 * edge_length <= result_.grid.reach(p);
-    }
-
-    std::vector<std::uint8_t> find_wants(Index first) const {
-        std::vector<std::uint8_t> wants(result_.grid.num_nodes() - first);
-        parallel_for(context_, wants.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                wants[i] = wants_split(first + static_cast<Index>(i));
-        });
-        return wants;
-    }
-
-    bool wants_split(Index node) const {
+    /// The ends of an edge tell, if they are no farther apart than they see: the field is smooth
+    /// over a few spacings, and where it is not they are bent.
+    bool wants_split(const Point& p) const {
         const SimplexGrid& grid = result_.grid;
-        const FieldSample& s = result_.samples[node];
-        const Point& p = grid.point(node);
-        const double edge_length = grid.edge_length(p), reach = grid.reach(p);
-        if (!s.is_known) return field_.has_point_within(grid.place(p), reach);
-        if (edge_length <= kFinest * s.spacing) return false;
-        if (edge_length > kCoarsest * s.spacing)
-            return field_.has_point_within(grid.place(p), reach + s.spacing);
-        if (std::abs(s.value) > reach || s.density < kLeastDensity) return false;
-        if (s.is_bent) return true;
-        const auto [a, b] = grid.edge(p);
-        const FieldSample &at_a = result_.samples[a], &at_b = result_.samples[b];
-        if (!at_a.is_known || !at_b.is_known) return true;
-        return bending(s, at_a, at_b, edge_length) > tolerance_ * s.spacing;
+        const auto [node_a, node_b] = grid.edge(p);
+        const FieldSample &a = result_.samples[node_a], &b = result_.samples[node_b];
+        const double edge_length = grid.edge_length(p);
+        if (!a.is_known || !b.is_known)
+            return field_.has_point_within(grid.place(p), grid.reach(p));
+        const double spacing = std::min(a.spacing, b.spacing);
+        if (edge_length <= kFinest * spacing) return false;
+        const bool is_bent = a.is_bent || b.is_bent, is_coarse = edge_length > kCoarsest * spacing;
+        if (is_coarse && (is_bent || edge_length > kFarthest * spacing))
+            return field_.has_point_within(grid.place(p), grid.reach(p) + spacing);
+        if (std::max(a.density, b.density) < kLeastDensity) return false;
+        const double height = 0.5 * std::abs(a.value + b.value);
+        if (height > kSlack * grid.reach(p, a.normal + b.normal)) return false;
+        return is_coarse || is_bent ||
+               bending(a, b, grid.place(node_b) - grid.place(node_a)) > tolerance_ * spacing;
     }
 
     const SignedDistance& field_;

@@ -33,6 +33,9 @@ constexpr float kRootTolerance = 0.25F;
 // The search for a root ends here.
 constexpr float kGoodRoot = 0.005F;
 constexpr int kRootSteps = 3;
+// Normals that turn by less than this along an edge (20 degrees) leave a cubic no room for errors.
+constexpr float kSmoothTurn = 0.35F;
+constexpr int kNewtonSteps = 3;
 
 /// Mesh vertices with what the field says there.
 struct Vertices {
@@ -47,6 +50,31 @@ bool is_root(const FieldSample& s) {
 bool is_trusted(const FieldSample& s, double noise) {
     return s.is_known && s.density >= kLeastDensity &&
            std::abs(s.value) <= (kTrustedHeight + static_cast<float>(noise)) * s.spacing;
+}
+
+bool is_smooth(const FieldSample& a, const FieldSample& b) {
+    return !a.is_bent && !b.is_bent &&
+           squared_length(a.normal - b.normal) < kSmoothTurn * kSmoothTurn;
+}
+
+/// Where on an edge from a to b, as a share of it, the cubic is 0 that has the samples' values and
+/// slopes at the ends; NaN if it does not fall all the way. Values are positive at a, negative at
+/// b.
+double cubic_root(const FieldSample& a, const FieldSample& b, Vec3d edge) {
+    const double fall = double{b.value} - a.value;
+    const double slope_a = dot(vec_cast<double>(a.normal), edge);
+    const double slope_b = dot(vec_cast<double>(b.normal), edge);
+    // [Fritsch80]
+    if (std::max(slope_a, slope_b) >= 0.0 || std::min(slope_a, slope_b) < 3.0 * fall)
+        return std::numeric_limits<double>::quiet_NaN();
+    const double c2 = 3.0 * fall - 2.0 * slope_a - slope_b, c3 = slope_a + slope_b - 2.0 * fall;
+    double t = a.value / -fall;
+    for (int step = 0; step < kNewtonSteps; ++step) {
+        const double value = a.value + t * (slope_a + t * (c2 + t * c3));
+        const double slope = slope_a + t * (2.0 * c2 + t * 3.0 * c3);
+        t = std::clamp(t - value / std::min(slope, 0.25 * fall), 0.0, 1.0);
+    }
+    return t;
 }
 
 class Extraction {
@@ -95,17 +123,17 @@ class Extraction {
 
     Vertices place_vertices(const Contour& contour) const {
         const std::size_t count = contour.vertices.size();
-        Vertices out{std::vector<Vec3d>(count), std::vector<FieldSample>(count)};
+        std::vector<Search> searches(count);
         parallel_for(context_, count, kGrain, [&](std::size_t begin, std::size_t end) {
-            std::vector<Search> searches;
             for (std::size_t i = begin; i < end; ++i)
-                searches.push_back(start_search(contour.vertices[i]));
-            run_searches(searches);
-            for (std::size_t i = begin; i < end; ++i) {
-                out.positions[i] = searches[i - begin].place;
-                out.samples[i] = searches[i - begin].sample;
-            }
+                searches[i] = start_search(contour.vertices[i]);
         });
+        run_searches(searches);
+        Vertices out;
+        for (const Search& s : searches) {
+            out.positions.push_back(s.place);
+            out.samples.push_back(s.sample);
+        }
         return out;
     }
 
@@ -114,6 +142,7 @@ class Extraction {
         Vec3d outside, inside;  ///< the ends of what is left of the edge, if any
         double at_outside = 0.0, at_inside = 0.0;
         bool is_on_edge = true, is_done = false;
+        bool is_found = false;  ///< from the grid's samples alone
         Vec3d place;
         FieldSample sample;
 
@@ -132,36 +161,49 @@ class Extraction {
     };
 
     Search start_search(const ContourVertex& v) const {
+        const FieldSample &at_outside = sampled_.samples[v.outside],
+                          &at_inside = sampled_.samples[v.inside];
         Search s;
         s.outside = sampled_.grid.place(v.outside);
         s.inside = sampled_.grid.place(v.inside);
         if (v.is_snapped()) {
             s.is_on_edge = false;
             s.place = s.outside;
-            s.sample = sampled_.samples[v.outside];
+            s.sample = at_outside;
             s.step();
+            s.is_found = !at_outside.is_bent;
+            s.sample.value = 0.0F;
             return s;
         }
         s.at_outside = values_[v.outside];
         s.at_inside = values_[v.inside];
         s.is_done = !agrees(v.outside) || !agrees(v.inside);
-        if (!s.is_done) {
-            s.at_outside = sampled_.samples[v.outside].value;
-            s.at_inside = sampled_.samples[v.inside].value;
-        }
+        if (s.is_done) return s.cut(), s;
+        s.at_outside = at_outside.value;
+        s.at_inside = at_inside.value;
         s.cut();
+        if (!is_smooth(at_outside, at_inside)) return s;
+        const double share = cubic_root(at_outside, at_inside, s.inside - s.outside);
+        if (std::isnan(share)) return s;
+        s.is_found = true;
+        s.place = s.outside + (s.inside - s.outside) * share;
+        s.sample = at_outside;
+        s.sample.value = 0.0F;
+        s.sample.density =
+            std::lerp(at_outside.density, at_inside.density, static_cast<float>(share));
         return s;
     }
 
     /// All at once: that is what the field is fast at. Those that were done at their start are only
-    /// sampled.
+    /// sampled, those found not even that.
     void run_searches(std::span<Search> searches) const {
         std::vector<Search*> active;
-        for (Search& s : searches) active.push_back(&s);
+        for (Search& s : searches)
+            if (!s.is_found) active.push_back(&s);
         for (int step = 1; !active.empty(); ++step) {
             std::vector<Vec3d> places;
             for (const Search* s : active) places.push_back(s->place);
-            const std::vector<FieldSample> samples = field_.at(places);
+            const std::vector<FieldSample> samples = field_.at(places, context_);
             for (std::size_t i = 0; i < active.size(); ++i) active[i]->sample = samples[i];
             std::erase_if(active, [&](const Search* s) {
                 return s->is_done || step == kRootSteps || !s->sample.is_known ||

@@ -64,7 +64,10 @@ ReconstructResult run_implicit(const PointCloud& cloud, Surface wanted, double m
         report.added_area_fraction = share_of_lids(mesh);
         is_closed = report.added_area_fraction <= max_added;
     }
-    if (is_closed) mesh = surface.mesh(true, context);
+    // An open surface without borders is the closed one.
+    const bool is_whole = wanted == Surface::kAuto && report.added_area_fraction == 0.0 &&
+                          volume(mesh.positions, mesh.triangles) > 0.0;
+    if (is_closed && !is_whole) mesh = surface.mesh(true, context);
     if (mesh.triangles.empty())
         fail(ErrorCode::kDegenerate, "no surface found between the {} points", cloud.size());
     report.surface = is_closed ? Surface::kWatertight : Surface::kOpen;

@@ -96,7 +96,7 @@ class Solver {
     /// Unknowns from coarse to fine.
     void number_rows(std::span<const std::uint8_t> is_given) {
         for (Index node = 0; node < grid_.num_nodes(); ++node)
-            if (grid_.is_vertex(node) && !is_given[node]) nodes_.push_back(node);
+            if (!is_given[node]) nodes_.push_back(node);
         std::ranges::stable_sort(nodes_, {}, [&](Index node) { return grid_.level(node); });
         for (Index i = 0; i < nodes_.size(); ++i) row_[nodes_[i]] = i;
     }

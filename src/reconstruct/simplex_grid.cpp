@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/hash.h"
 
@@ -21,7 +22,7 @@ SimplexGrid::SimplexGrid(Vec3d corner, double cube_size, std::array<int, 3> num_
     for (int z = 0; z <= num_cubes[2]; ++z)
         for (int y = 0; y <= num_cubes[1]; ++y)
             for (int x = 0; x <= num_cubes[0]; ++x)
-                split(add({x * kCubeUnits, y * kCubeUnits, z * kCubeUnits}));
+                add({x * kCubeUnits, y * kCubeUnits, z * kCubeUnits});
     num_corners_ = num_nodes();
 }
 
@@ -91,13 +92,26 @@ double SimplexGrid::reach(const Point& p) const {
     return kRadii[s.kind] * 2.0 * s.half * unit_;
 }
 
+double SimplexGrid::reach(const Point& p, Vec3f direction) const {
+    const float size = length(direction);
+    if (size == 0.0F) return reach(p);
+    const Shape s = shape(p);
+    Vec3f d = direction / size;
+    for (std::size_t k = 0; k < 3; ++k) d[k] = std::abs(d[k]);
+    // To a corner of the cube or of the face, to the middle of a cube beside the face; likewise
+    // from an edge.
+    const float all = d.x + d.y + d.z;
+    const float share = s.kind == kCube ? all : std::max(d[s.axis], all - d[s.axis]);
+    return double{share} * s.half * unit_;
+}
+
 int SimplexGrid::level(Index node) const {
     if (is_corner(node)) return 0;
     const Shape s = shape(points_[node]);
     return 3 * (kDepth - 1 - std::countr_zero(static_cast<std::uint32_t>(s.half))) + s.kind + 1;
 }
 
-/// Nodes that must be vertices before all tetrahedra around this point's edge exist.
+/// Points that must be nodes before all tetrahedra around this point's edge exist.
 template <class Visit>
 void SimplexGrid::for_each_parent(const Point& p, Visit&& visit) const {
     const Shape s = shape(p);
@@ -117,42 +131,59 @@ void SimplexGrid::for_each_parent(const Point& p, Visit&& visit) const {
     }
 }
 
-void SimplexGrid::split(Index node) {
-    std::vector<Index> pending{node};
-    while (!pending.empty()) {
-        const Index n = pending.back();
-        pending.pop_back();
-        if (is_vertex_[n]) continue;
-        is_vertex_[n] = 1;
-        vertices_.push_back(n);
-        const bool has_parents = num_corners_ > 0;  // corners are the first to be made
-        if (!has_parents) continue;
-        const Point p = points_[n];
-        for_each_parent(p, [&](const Point& q) {
-            const Index parent = add(q);
-            if (!is_vertex_[parent]) pending.push_back(parent);
-        });
+/// Whether another parent of the child is there to visit it: the first one that may be.
+bool SimplexGrid::is_left_to(const Point& child, const Point& parent) const {
+    const Shape s = shape(child);
+    Point first = child;
+    if (s.kind == kCube) {
+        if (2 * s.half == kCubeUnits) return false;
+        const Point even = edge_end(child, false);
+        first = moved(even, 0, 2 * (child[0] - even[0]));
+    } else {
+        const std::size_t across = s.kind == kFace ? s.axis : (s.axis == 0 ? 1 : 0);
+        first = moved(child, across, -s.half);
     }
+    return first != parent && is_inside(first) && find(first) != kInvalidIndex;
+}
+
+void SimplexGrid::split(const Point& point) {
+    std::vector<Point> pending{point};
+    while (!pending.empty()) {
+        const Point p = pending.back();
+        pending.pop_back();
+        if (add(p)) for_each_parent(p, [&](const Point& q) { pending.push_back(q); });
+    }
+}
+
+/// Where the search for a key begins. Nodes of a kind of cube that are near each other begin near
+/// each other: what is asked for together comes from memory together.
+std::size_t SimplexGrid::home_of(std::uint64_t key) {
+    constexpr std::uint64_t kLowest = 1 | std::uint64_t{1} << 21 | std::uint64_t{1} << 42;
+    const auto all = static_cast<std::uint32_t>(key | key >> 21 | key >> 42);
+    const int level = std::countr_zero(all | 1U << 20);
+    // Two bits of each coordinate, side by side.
+    const std::uint64_t inner = key & (3 * kLowest) << level, bits = inner >> level;
+    return hash64(key - inner + static_cast<std::uint64_t>(level)) +
+           ((bits | bits >> 19 | bits >> 38) & 63);
 }
 
 /// Where a key is or would be.
 std::size_t SimplexGrid::slot_of(std::uint64_t key) const {
     const std::size_t mask = table_.size() - 1;
-    std::size_t i = hash64(key) & mask;
+    std::size_t i = home_of(key) & mask;
     while (table_[i].node != kInvalidIndex && table_[i].key != key) i = (i + 1) & mask;
     return i;
 }
 
-Index SimplexGrid::add(const Point& p) {
+/// False if it is a node already.
+bool SimplexGrid::add(const Point& p) {
     const std::uint64_t key = key_of(p);
     Slot& slot = table_[slot_of(key)];
-    if (slot.node != kInvalidIndex) return slot.node;
-    const Index node = num_nodes();
-    slot = {key, node};
+    if (slot.node != kInvalidIndex) return false;
+    slot = {key, num_nodes()};
     points_.push_back(p);
-    is_vertex_.push_back(0);
     if (points_.size() * 2 > table_.size()) grow_table();
-    return node;
+    return true;
 }
 
 void SimplexGrid::grow_table() {
@@ -161,7 +192,7 @@ void SimplexGrid::grow_table() {
         if (slot.node != kInvalidIndex) table_[slot_of(slot.key)] = slot;
 }
 
-/// The vertex that splits a tetrahedron, kInvalidIndex if it is a leaf.
+/// The node that splits a tetrahedron, kInvalidIndex if it is a leaf.
 Index SimplexGrid::midpoint(const Tet& tet) const {
     const Point &a = points_[tet.v[0]], &b = points_[tet.v[tet.tag]];
     Point middle;
@@ -169,8 +200,7 @@ Index SimplexGrid::midpoint(const Tet& tet) const {
         if ((a[k] + b[k]) & 1) return kInvalidIndex;
         middle[k] = (a[k] + b[k]) / 2;
     }
-    const Index node = find(middle);
-    return node != kInvalidIndex && is_vertex_[node] ? node : kInvalidIndex;
+    return find(middle);
 }
 
 std::pair<SimplexGrid::Tet, SimplexGrid::Tet> SimplexGrid::halves(const Tet& tet, Index middle) {

@@ -12,11 +12,10 @@
 
 namespace pointbake {
 
-/// Cubes of six tetrahedra each, bisected at their longest edges [Maubach95]. A node is the
-/// midpoint of such an edge; the tetrahedra around the edge are split together, by making the node
-/// a vertex. That asks for the nodes that brought the tetrahedra about [Gregorski02]: closed under
-/// this, the set of vertices is the whole state, and in whatever order it came about, the grid is
-/// the same.
+/// Cubes of six tetrahedra each, bisected at their longest edges [Maubach95]. A node is a corner of
+/// a cube or the midpoint of such an edge, whose tetrahedra are all split there. That asks for the
+/// nodes that brought the tetrahedra about [Gregorski02]: closed under this, the set of nodes is
+/// the whole state, and in whatever order it came about, the grid is the same.
 class SimplexGrid {
  public:
     using Point = std::array<std::int32_t, 3>;  ///< in units above the corner
@@ -29,12 +28,9 @@ class SimplexGrid {
 
     double cube_size() const { return unit_ * kCubeUnits; }
 
-    /// Vertices, and candidates for vertices; numbered as they came. The cubes' corners come first.
+    /// The vertices of the tetrahedra, numbered as they came. The cubes' corners come first.
     Index num_nodes() const { return static_cast<Index>(points_.size()); }
     bool is_corner(Index node) const { return node < num_corners_; }
-    bool is_vertex(Index node) const { return is_vertex_[node] != 0; }
-    /// In the order in which they became vertices.
-    std::span<const Index> vertices() const { return vertices_; }
     const Point& point(Index node) const { return points_[node]; }
     Vec3d place(const Point& point) const;
     Vec3d place(Index node) const { return place(points_[node]); }
@@ -46,19 +42,20 @@ class SimplexGrid {
     double edge_length(const Point& point) const;
     /// Radius of the ball around the point that holds the tetrahedra around its edge.
     double reach(const Point& point) const;
+    /// How far the tetrahedra around the edge reach from the point along a direction, which need
+    /// not be of unit length.
+    double reach(const Point& point, Vec3f direction) const;
     int level(
         Index node) const;  ///< bisections from a cube to here; above those of the edge's ends
 
     /// The node at a point, kInvalidIndex if there is none.
     Index find(const Point& point) const { return table_[slot_of(key_of(point))].node; }
-    /// A candidate, if the point is no node yet. Returns the node.
-    Index add(const Point& point);
-    /// Makes a node a vertex, and those it needs.
-    void split(Index node);
-    /// Calls visit(point) for the midpoints of the edges that came with a vertex, nodes or not. The
-    /// ends of the edges are vertices.
+    /// Makes an edge's midpoint a node, and those that it needs.
+    void split(const Point& point);
+    /// Calls visit(point) for the midpoints of the edges that came with a node, nodes or not; most
+    /// come with several nodes and are visited once. The ends of the edges are nodes.
     template <class Visit>
-    void for_each_child(Index vertex, Visit&& visit) const;
+    void for_each_child(Index node, Visit&& visit) const;
 
     /// The tetrahedra of the grid for which keep(vertices) is true, in an order of their places;
     /// either orientation.
@@ -95,7 +92,10 @@ class SimplexGrid {
         return bits(p[0]) | bits(p[1]) << 21 | bits(p[2]) << 42;
     }
     bool is_inside(const Point& p) const;
+    bool is_left_to(const Point& child, const Point& parent) const;
+    static std::size_t home_of(std::uint64_t key);
     std::size_t slot_of(std::uint64_t key) const;
+    bool add(const Point& p);
     void grow_table();
     template <class Visit>
     void for_each_parent(const Point& p, Visit&& visit) const;
@@ -109,23 +109,21 @@ class SimplexGrid {
     std::array<int, 3> num_cubes_;
     Index num_corners_ = 0;
     std::vector<Point> points_;
-    std::vector<std::uint8_t> is_vertex_;
-    std::vector<Index> vertices_;
     std::vector<Slot> table_;  ///< nodes by hash, open addressing
 };
 
 template <class Visit>
-void SimplexGrid::for_each_child(Index vertex, Visit&& visit) const {
-    const Point p = points_[vertex];
+void SimplexGrid::for_each_child(Index node, Visit&& visit) const {
+    const Point p = points_[node];
     const auto visit_inside = [&](const Point& q) {
-        if (is_inside(q)) visit(q);
+        if (is_inside(q) && !is_left_to(q, p)) visit(q);
     };
     const auto visit_octants = [&](std::int32_t by) {
         for (const std::int32_t x : {-by, by})
             for (const std::int32_t y : {-by, by})
                 for (const std::int32_t z : {-by, by}) visit_inside({p[0] + x, p[1] + y, p[2] + z});
     };
-    if (is_corner(vertex)) return visit_octants(kCubeUnits / 2);
+    if (is_corner(node)) return visit_octants(kCubeUnits / 2);
     const Shape s = shape(p);
     if (s.kind == kEdge) {
         if (s.half > 1) visit_octants(s.half / 2);

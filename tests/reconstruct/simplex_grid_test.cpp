@@ -12,23 +12,20 @@ namespace {
 
 using Tet = std::array<Index, 4>;
 
-// Any node or child of one.
-Index random_node(SimplexGrid& grid, std::uint64_t k) {
-    const auto parent = static_cast<Index>(k % grid.num_nodes());
+void split_random_child(SimplexGrid& grid, std::uint64_t k) {
     std::vector<SimplexGrid::Point> children;
-    if (grid.is_vertex(parent))
-        grid.for_each_child(parent, [&](const auto& p) { children.push_back(p); });
-    if (children.empty()) return parent;
-    return grid.add(children[hash64(k) % children.size()]);
+    grid.for_each_child(static_cast<Index>(k % grid.num_nodes()),
+                        [&](const auto& p) { children.push_back(p); });
+    if (!children.empty()) grid.split(children[hash64(k) % children.size()]);
 }
 
-// Splits pseudo-random candidates, preferably near one place.
+// Splits pseudo-random edges, preferably near one place.
 SimplexGrid random_grid(std::uint64_t seed, int num_splits) {
     SimplexGrid grid({-1, 2, 3}, 2.0, {2, 1, 1});
     for (int i = 0; i < num_splits; ++i) {
         std::uint64_t k = hash64(seed, static_cast<std::uint64_t>(i)) % grid.num_nodes();
         if (i % 2) k = grid.num_nodes() - 1 - k % std::min<std::uint64_t>(20, grid.num_nodes());
-        grid.split(random_node(grid, k));
+        split_random_child(grid, k);
     }
     return grid;
 }
@@ -79,11 +76,10 @@ TEST(SimplexGrid, TetrahedraStayWellShaped) {
 TEST(SimplexGrid, NodesAreTheMiddlesOfTheirEdges) {
     const SimplexGrid grid = random_grid(3, 300);
     for (Index node = 0; node < grid.num_nodes(); ++node) {
-        if (grid.is_corner(node) || !grid.is_vertex(node)) continue;
+        if (grid.is_corner(node)) continue;
         const auto [a, b] = grid.edge(grid.point(node));
         ASSERT_NE(a, kInvalidIndex);
         ASSERT_NE(b, kInvalidIndex);
-        EXPECT_TRUE(grid.is_vertex(a) && grid.is_vertex(b));
         EXPECT_GT(grid.level(node), std::max(grid.level(a), grid.level(b)));
         EXPECT_EQ(length((grid.place(a) + grid.place(b)) * 0.5 - grid.place(node)), 0.0);
         EXPECT_NEAR(length(grid.place(a) - grid.place(b)), grid.edge_length(grid.point(node)),
@@ -93,13 +89,13 @@ TEST(SimplexGrid, NodesAreTheMiddlesOfTheirEdges) {
 
 TEST(SimplexGrid, DoesNotDependOnTheOrderOfSplits) {
     SimplexGrid a({0, 0, 0}, 1.0, {1, 1, 1});
-    for (int i = 0; i < 200; ++i) a.split(random_node(a, hash64(5, static_cast<std::uint64_t>(i))));
+    for (std::uint64_t i = 0; i < 200; ++i) split_random_child(a, hash64(5, i));
     std::vector<SimplexGrid::Point> wanted;
     for (Index node = 0; node < a.num_nodes(); ++node)
-        if (a.is_vertex(node)) wanted.push_back(a.point(node));
-    // The same vertices, the last first.
+        if (!a.is_corner(node)) wanted.push_back(a.point(node));
+    // The same nodes, the last first.
     SimplexGrid b({0, 0, 0}, 1.0, {1, 1, 1});
-    for (; !wanted.empty(); wanted.pop_back()) b.split(b.add(wanted.back()));
+    for (; !wanted.empty(); wanted.pop_back()) b.split(wanted.back());
     const auto places = [](const SimplexGrid& grid) {
         std::vector<std::array<SimplexGrid::Point, 4>> out;
         for (const Tet& t : all_leaves(grid))
