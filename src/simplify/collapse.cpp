@@ -67,7 +67,8 @@ class Collapser {
           context_(context),
           order_(surface, context),
           marks_(surface.positions.size(), 0),
-          judge_(surface, attribution, marks_, limits.squared_distance),
+          trace_(surface),
+          judge_(surface, attribution, trace_, marks_, limits.squared_distance),
           best_(surface.positions.size()),
           refused_(surface.positions.size(), kNoRefusals),
           removal_costs_(surface.positions.size(), 0.0F),
@@ -120,6 +121,7 @@ class Collapser {
     const Context& context_;
     CollapseOrder order_;
     std::vector<std::uint8_t> marks_;
+    BorderTrace trace_;
     CollapseJudge judge_;
     std::vector<Attempt> best_;         // per vertex
     std::vector<Refusals> refused_;     // per vertex and attempt: edges up to this were refused
@@ -247,7 +249,7 @@ bool Collapser::is_within(Index v, Index begin, Index end) const {
 }
 
 void Collapser::sweep_block(Index begin, Index end, float threshold, CollapseCounts& counts) {
-    CollapseJudge judge(surface_, attribution_, marks_, limits_.squared_distance);
+    CollapseJudge judge(surface_, attribution_, trace_, marks_, limits_.squared_distance);
     for (Index v = begin; v < end; ++v) {
         if (surface_.first_corners[v] == kInvalidIndex) continue;
         Candidate best = best_[v].edge;

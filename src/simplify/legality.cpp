@@ -3,6 +3,7 @@
 #include "simplify/legality.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pointbake {
 namespace {
@@ -22,6 +23,7 @@ constexpr double kMinQuality = 0.05;
 Verdict CollapseJudge::judge(Index a, Index b, Vec3d target) {
     if (!is_topology_kept(a, b)) return Verdict::kTopology;
     if (!make_new_faces(a, b, target)) return Verdict::kShape;
+    if (!is_border_kept(a, b, target)) return Verdict::kBound;
     return reattribute();
 }
 
@@ -29,6 +31,7 @@ Index CollapseJudge::apply(Index a, Index b, Vec3d target) {
     for (Index t : removed_faces_) attribution_.first_points[t] = kInvalidIndex;
     for (Index t : kept_faces_) attribution_.first_points[t] = kInvalidIndex;
     for (const Move& m : moves_) attribution_.add(kept_faces_[m.face], m.point);
+    if (!border_ends_.is_none()) border_.apply(a, b, border_ends_);
     surface_.collapse(a, b, target);
     return static_cast<Index>(removed_faces_.size());
 }
@@ -104,6 +107,14 @@ bool CollapseJudge::replace_corner(Index corner, Vec3d target) {
     kept_faces_.push_back(corner / 3);
     new_faces_.push_back(frame);
     return !is_turned || strictness == Strictness::kTopologyOnly;
+}
+
+bool CollapseJudge::is_border_kept(Index a, Index b, Vec3d target) {
+    border_ends_ = {};
+    if (!(limit_ < HUGE_VAL)) return true;
+    border_ends_ = find_border_ends(a, edges_a_, b, edges_b_);
+    return border_ends_.is_none() ||
+           border_.is_within(surface_, a, b, border_ends_, target, limit_);
 }
 
 // Finds for every point of the old triangles the nearest new one. The points most at risk, those of

@@ -5,6 +5,7 @@
 
 #include "pointbake/types.h"
 #include "simplify/attribution.h"
+#include "simplify/border_trace.h"
 #include "simplify/face_frame.h"
 #include "simplify/surface.h"
 
@@ -20,9 +21,13 @@ enum class Verdict { kLegal, kTopology, kShape, kBound };
 /// `marks` (one byte per vertex, zero).
 class CollapseJudge {
  public:
-    CollapseJudge(Surface& surface, Attribution& attribution, std::vector<std::uint8_t>& marks,
-                  double squared_limit)
-        : surface_(surface), attribution_(attribution), marks_(marks), limit_(squared_limit) {}
+    CollapseJudge(Surface& surface, Attribution& attribution, BorderTrace& trace,
+                  std::vector<std::uint8_t>& marks, double squared_limit)
+        : surface_(surface),
+          attribution_(attribution),
+          border_(trace),
+          marks_(marks),
+          limit_(squared_limit) {}
 
     Strictness strictness = Strictness::kFull;
 
@@ -40,6 +45,7 @@ class CollapseJudge {
     bool is_topology_kept(Index a, Index b);
     bool covers_triangle(Index a, Index b);
     bool make_new_faces(Index a, Index b, Vec3d target);
+    bool is_border_kept(Index a, Index b, Vec3d target);
     bool replace_corner(Index corner, Vec3d target);
     Verdict reattribute();
     Verdict reattribute(Index old_face);
@@ -47,6 +53,8 @@ class CollapseJudge {
 
     Surface& surface_;
     Attribution& attribution_;
+    BorderJudge border_;
+    BorderEnds border_ends_;
     std::vector<std::uint8_t>& marks_;
     double limit_;
     std::vector<EdgeUse> edges_a_, edges_b_;

@@ -132,7 +132,9 @@ Verdict judged(const Mesh& mesh, Index a, Index b) {
         attribute_points(surface, mesh.positions, input.dense.vertex_points, {});
     attribution.link(surface.triangles.size(), HUGE_VAL);
     std::vector<std::uint8_t> marks(mesh.positions.size(), 0);
-    return CollapseJudge(surface, attribution, marks, HUGE_VAL).judge(a, b, mesh.positions[a]);
+    BorderTrace trace(surface);
+    return CollapseJudge(surface, attribution, trace, marks, HUGE_VAL)
+        .judge(a, b, mesh.positions[a]);
 }
 
 TEST(CollapseJudge, RefusesToCloseTetrahedraHolesAndTubes) {

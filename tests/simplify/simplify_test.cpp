@@ -8,6 +8,7 @@
 #include <stop_token>
 
 #include "core/adjacency.h"
+#include "core/bvh.h"
 #include "pointbake/error.h"
 #include "simplify/dense_shapes.h"
 
@@ -129,6 +130,52 @@ TEST(Simplify, BorderLoopsStayAndStayInPlace) {
     EXPECT_LT(after.num_triangles, before.num_triangles / 2);
     for (Vec3d p : tube.positions) EXPECT_LE(brute_distance(r.mesh, p), r.report.bound);
     for (Vec3d p : r.mesh.positions) EXPECT_GT(p.z, -0.1);
+}
+
+struct Segment {
+    Vec3d from, to;
+};
+
+std::vector<Segment> borders_of(const Mesh& mesh) {
+    std::multiset<std::pair<Index, Index>> edges;
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) edges.insert({t[k], t[(k + 1) % 3]});
+    std::vector<Segment> out;
+    for (const auto& [v, w] : edges)
+        if (!edges.contains({w, v})) out.push_back({mesh.positions[v], mesh.positions[w]});
+    return out;
+}
+
+/// Largest distance of points on the first borders to the others.
+double farthest(const std::vector<Segment>& from, const std::vector<Segment>& to) {
+    double worst = 0.0;
+    for (const Segment& s : from) {
+        for (const double at : {0.0, 0.25, 0.5, 0.75}) {
+            double best = HUGE_VAL;
+            for (const Segment& o : to)
+                best = std::min(best, closest_point_on_triangle(s.from + (s.to - s.from) * at,
+                                                                o.from, o.to, o.to)
+                                          .squared_distance);
+            worst = std::max(worst, best);
+        }
+    }
+    return std::sqrt(worst);
+}
+
+// Points alone do not tell that a triangle covers a hole.
+TEST(Simplify, BordersStayWithinTheBound) {
+    Mesh plate = shapes::plane_mesh(40, 40);
+    std::erase_if(plate.triangles, [&](const Triangle& t) {
+        const Vec3d c =
+            (plate.positions[t[0]] + plate.positions[t[1]] + plate.positions[t[2]]) / 3.0;
+        return length(c) < 0.5;
+    });
+    plate = dense_shapes::without_unused(plate);
+    const SimplifyResult r = over(plate).simplified(bound_of(0.02));
+    const auto dense = borders_of(plate), light = borders_of(r.mesh);
+    EXPECT_LT(light.size(), dense.size() / 4);
+    EXPECT_LE(farthest(dense, light), r.report.bound * 1.0001);
+    EXPECT_LE(farthest(light, dense), r.report.bound * 1.0001);
 }
 
 TEST(Simplify, TessellationDoesNotMatter) {
