@@ -11,11 +11,10 @@ namespace {
 constexpr std::size_t kGrain = 512;  // points per chunk: about two milliseconds of queries
 
 void find_of(Neighborhoods& out, std::size_t point) {
-    std::array<Neighbor, kNeighbors + 1> found;
-    out.tree.nearest(out.positions[point], found);
+    std::array<Neighbor, kNeighbors + 1> buffer;
     double sum = 0.0;
     std::size_t k = 0;
-    for (const Neighbor& neighbor : found) {
+    for (const Neighbor& neighbor : out.tree.nearest(out.positions[point], buffer)) {
         if (neighbor.index == point || k == kNeighbors) continue;
         out.neighbors[point * kNeighbors + k++] = neighbor.index;
         sum += std::sqrt(neighbor.squared_distance);

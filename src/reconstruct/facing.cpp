@@ -13,6 +13,8 @@ constexpr double kLeastCos = 0.1;
 // Normals of a piece of more than so many points count if this share of them is on one side.
 constexpr double kAgreeing = 0.8;
 constexpr std::size_t kFewPoints = 100;
+// Sensors are asked where at least this share of a piece's points was seen from a side.
+constexpr double kSeen = 0.1;
 
 struct Votes {
     std::size_t front = 0, back = 0;
@@ -56,7 +58,8 @@ class Judge {
         if (!agree && told.sum() > kFewPoints)
             for (Index v : vertices)
                 if (is_told(v)) unsure.push_back(points_[v]);
-        if (seen.sum() > 0) return seen.back > seen.front;
+        if (static_cast<double>(seen.sum()) >= kSeen * static_cast<double>(vertices.size()))
+            return seen.back > seen.front;
         return agree && told.back > told.front;
     }
 

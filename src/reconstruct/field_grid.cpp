@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/message.h"
 #include "core/parallel.h"
 
 namespace pointbake {
@@ -23,6 +24,16 @@ constexpr double kTolerance = 0.015, kTolerancePerNoise = 0.05;
 // Below this density the surface is extrapolated: not worth a fine grid.
 constexpr float kLeastDensity = 0.1F;
 
+// The grid's finest edges must come down to the points' spacing, or parts of the surface are lost.
+void check_resolution(double cube_size, const SignedDistance& field) {
+    const double spacing = double{field.median_spacing()};
+    if (cube_size / SimplexGrid::kCubeUnits <= kCoarsest * spacing) return;
+    fail(ErrorCode::kLimit,
+         "the extent of the points is {:.2g} times their spacing, too much for the grid of the "
+         "implicit method: --crop what lies far off, or take another --method",
+         length(field.box().extent()) / spacing);
+}
+
 SimplexGrid make_grid(const SignedDistance& field) {
     const Vec3d extent = field.box().extent();
     const double longest = std::max({extent.x, extent.y, extent.z});
@@ -37,6 +48,7 @@ SimplexGrid make_grid(const SignedDistance& field) {
         corner[k] = first * size;
         num_cubes[k] = static_cast<int>(std::ceil((field.box().high[k] + margin) / size) - first);
     }
+    check_resolution(size, field);
     return SimplexGrid(corner, size, num_cubes);
 }
 

@@ -16,6 +16,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/median.h"
 #include "core/morton.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
@@ -103,12 +104,15 @@ SignedDistance::SignedDistance(std::span<const Vec3d> positions, std::span<const
                                std::span<const float> spacing, double noise, const Context& context)
     : noise_(noise) {
     std::vector<Point> points;
+    std::vector<float> spacings;
     for (std::size_t i = 0; i < positions.size(); ++i) {
         if (squared_length(normals[i]) == 0.0F || !(spacing[i] > 0.0F)) continue;
         points.push_back({positions[i], normals[i], spacing[i]});
         box_.extend(positions[i]);
         min_spacing_ = points.size() == 1 ? spacing[i] : std::min(min_spacing_, spacing[i]);
+        spacings.push_back(spacing[i]);
     }
+    median_spacing_ = median_in_place(std::span(spacings));
     num_points_ = points.size();
     width_ = static_cast<float>(kWidth + kWidthPerRootNoise * std::sqrt(noise));
     reach_ = std::max(width_, kDensityWidth);

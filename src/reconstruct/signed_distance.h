@@ -41,6 +41,7 @@ class SignedDistance {
     double noise() const { return noise_; }
     const Box& box() const { return box_; }
     float min_spacing() const { return min_spacing_; }
+    float median_spacing() const { return median_spacing_; }
 
  private:
     struct Point {
@@ -99,7 +100,7 @@ class SignedDistance {
     Box box_;
     double noise_ = 0.0;
     double cells_per_unit_ = 1.0;  ///< of the grid behind the Morton codes
-    float min_spacing_ = 0.0F;
+    float min_spacing_ = 0.0F, median_spacing_ = 0.0F;
     float width_ = 0.0F;  ///< radius of the kernel of the fit, in spacings
     float reach_ = 0.0F;  ///< how far away a point is taken in, in spacings
 };

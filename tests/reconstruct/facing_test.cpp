@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/adjacency.h"
+#include "core/hash.h"
 #include "pointbake/attributes.h"
 #include "pointbake/reconstruct.h"
 #include "support/shapes.h"
@@ -83,6 +84,25 @@ TEST(Facing, SensorsWinOverNormals) {
     EXPECT_EQ(outward(faced(cloud)), 0.0);
     cloud.sensors.assign(cloud.size(), {});
     EXPECT_EQ(outward(faced(cloud)), 1.0);
+}
+
+TEST(Facing, AFewSensorsDoNotOutvoteTheNormals) {
+    PointCloud cloud = half_sphere(1.0);
+    cloud.sensors.assign(cloud.size(), {});
+    cloud.sensors[kPoints / 3] = vec_cast<float>(normalized(-cloud.positions[kPoints / 3]));
+    EXPECT_EQ(outward(faced(cloud)), 1.0);
+}
+
+TEST(Facing, MostSensorsDecide) {
+    for (const int of_ten : {4, 6}) {
+        PointCloud cloud = half_sphere(1.0);
+        for (std::size_t i = 0; i < cloud.size(); ++i) {
+            const Vec3d inward = normalized(-cloud.positions[i]);
+            cloud.sensors.push_back(
+                vec_cast<float>(static_cast<int>(hash64(i) % 10) < of_ten ? inward : -inward));
+        }
+        EXPECT_EQ(outward(faced(cloud)), of_ten > 5 ? 0.0 : 1.0);
+    }
 }
 
 TEST(Facing, EachPieceHasItsOwn) {
