@@ -294,7 +294,7 @@ TEST(Implicit, FewOrNoPoints) {
 TEST(Implicit, RefusesPointsThatLieTooFarApartForItsGrid) {
     PointCloud cloud = shapes::sphere_cloud(3000);
     for (const Vec3d& p : shapes::sphere_cloud(3000, 0.0, 1.0, {1e6, 0.0, 0.0}).positions)
-        shapes::add_point(cloud, p, vec_cast<float>(p - Vec3d{1e6, 0.0, 0.0}));
+        shapes::add_point(cloud, p, p - Vec3d{1e6, 0.0, 0.0});
     const Sampled s(std::move(cloud), 0.06);
     EXPECT_THROW(s.reconstruct(false), Error);
 }
