@@ -74,8 +74,7 @@ std::string fate_of_points(const PointCloud& cloud) {
 
 void check_positions(const PointCloud& cloud) {
     if (cloud.size() < 3)
-        fail(ErrorCode::kDegenerate,
-             "{}: a surface needs at least 3 different ones that are not on a line",
+        fail(ErrorCode::kDegenerate, "{}: a surface needs at least 3 that are not on a line",
              fate_of_points(cloud));
     if (cloud.size() >= kInvalidIndex - 1)
         fail(ErrorCode::kLimit, "{} points: at most {} can be reconstructed at once", cloud.size(),
