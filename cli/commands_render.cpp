@@ -37,9 +37,15 @@ Subject load_subject(const fs::path& path, const Context& context) {
     return {.cloud = estimate_attributes(std::move(loaded.cloud), {}, context).cloud, .model = {}};
 }
 
+/// Looked at from above or below, y cannot point upwards.
+Vec3d default_up(Vec3d direction) {
+    const Vec3d up = View{}.up;
+    return squared_length(cross(up, direction)) > 0.0 ? up : Vec3d{0.0, 0.0, -direction.y};
+}
+
 View view_of(const PictureOptions& options, const Subject& first) {
     View view{.direction = options.direction,
-              .up = options.up,
+              .up = options.up.value_or(default_up(options.direction)),
               .zoom = options.zoom,
               .center = {},
               .width = options.width,

@@ -146,7 +146,7 @@ class Run {
             write_text(job_.files.work_dir / "options.json", job_.all_options + "\n");
             observer = work_dir_observer(job_.files.work_dir, job_.write, context_);
         }
-        ConvertResult result = pointbake::convert(std::move(input), options, observer, context_);
+        ConvertResult result = converted(std::move(input), options, observer);
         report_.convert = result.report;
         for (std::string& line : missed_bounds(report_)) {
             console_.warning(line);
@@ -155,6 +155,17 @@ class Run {
         report_.convert.times.insert(report_.convert.times.begin(), load_time_);
         if (report_.last_stage >= Stage::kSimplify) add_distributions(report_, result.light);
         return result;
+    }
+
+    /// What is wrong with the points is told with the name of their file.
+    ConvertResult converted(ConvertInput input, const ConvertOptions& options,
+                            const StageObserver& observer) const {
+        try {
+            return pointbake::convert(std::move(input), options, observer, context_);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::kDegenerate) throw;
+            fail(error.code(), "{}: {}", report_.input, error.what());
+        }
     }
 
     ConvertResult loaded_only(ConvertInput input) {
@@ -202,7 +213,10 @@ class Run {
         for (const std::string& line : plan_lines(job_, input, context_)) print_data(line + "\n");
     }
 
-    bool fails_strict() const { return job_.limits.strict && !missed_bounds(report_).empty(); }
+    bool fails_strict() const {
+        return job_.limits.strict &&
+               (report_.convert.leaves_out_many || !missed_bounds(report_).empty());
+    }
 
  private:
     const Job& job_;
@@ -230,7 +244,8 @@ ConvertResult run_job(const Job& job, Console& console, const std::stop_token& s
     if (!is_failure) run.write(result);
     run.tell();
     if (is_failure)
-        fail(ErrorCode::kLimit, "a bound is not met, and with --strict no model is written then");
+        fail(ErrorCode::kLimit,
+             "a bound is not met (see the warnings), and with --strict no model is written then");
     return result;
 }
 

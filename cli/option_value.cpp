@@ -28,6 +28,10 @@ double OptionValue<double>::parse(std::string_view text) {
 
 Vec3d OptionValue<Vec3d>::parse(std::string_view text) {
     Vec3d value;
+    if (text.size() == 1 && 'x' <= text[0] && text[0] <= 'z') {
+        value[static_cast<std::size_t>(text[0] - 'x')] = 1.0;
+        return value;
+    }
     const char* next = text.data();
     const char* const end = text.data() + text.size();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -36,7 +40,7 @@ Vec3d OptionValue<Vec3d>::parse(std::string_view text) {
         if (error != std::errc{} || !std::isfinite(value[k]) ||
             (is_last ? stop != end : stop == end || *stop != ','))
             fail(ErrorCode::kInvalidOption,
-                 "'{}' is not a direction: expected three numbers like 1,0.5,-2", text);
+                 "'{}' is not a direction: expected x, y, z or three numbers like 1,0.5,-2", text);
         next = is_last ? stop : stop + 1;
     }
     return value;

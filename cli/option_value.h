@@ -95,7 +95,7 @@ struct OptionValue<Box> {
 
 template <>
 struct OptionValue<Vec3d> {
-    static std::string placeholder() { return "X,Y,Z"; }
+    static std::string placeholder() { return "X,Y,Z|x|y|z"; }
     static Vec3d parse(std::string_view text);
     static std::string json(const Vec3d& value) {
         return json_string(fmt::format("{},{},{}", value.x, value.y, value.z));

@@ -52,14 +52,16 @@ struct DemoOptions {
 };
 
 struct PictureOptions {
-    Vec3d direction = View{}.direction, up = View{}.up;
+    Vec3d direction = View{}.direction;
+    std::optional<Vec3d> up;
     double zoom = View{}.zoom;
     int width = View{}.width, height = View{}.height;
     bool wires = false, transparent = false;
     template <class Field>
     static void describe(Field&& field) {
         field("direction", &PictureOptions::direction, "from the model to the viewer");
-        field("up", &PictureOptions::up, "what points upwards in the picture");
+        field("up", &PictureOptions::up,
+              "what points upwards in the picture (default: y, or z where y is looked along)");
         field("zoom", &PictureOptions::zoom, "1 = all of it fits from every side");
         field("width", &PictureOptions::width, "pixels per view");
         field("height", &PictureOptions::height, "pixels per view");

@@ -13,6 +13,8 @@ std::string bound_text(double bound) {
     return std::isfinite(bound) ? fmt::format("bound {:.4g}", bound) : "no bound";
 }
 
+bool was_reconstructed(const RunReport& r) { return r.convert.reconstruct.method != Method::kAuto; }
+
 /// "4,812 outliers, 37 points of 3 floating pieces"; empty if nothing is dropped.
 std::string cleaning_text(const CleanReport& clean) {
     std::vector<std::string> parts;
@@ -27,23 +29,55 @@ std::string cleaning_text(const CleanReport& clean) {
     return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+std::uint64_t num_points(const RunReport& r) {
+    return r.load.num_kept - r.convert.clean.num_dropped();
+}
+
+std::string noise_text(const DenoiseReport& r) {
+    std::string text = fmt::format("noise {:.2g} spacings", r.noise);
+    if (r.is_done) text += fmt::format(", taken out down to {:.2g}", r.noise_left);
+    if (r.is_relief) text += ", which is sharp or thin things: left as it is";
+    return text;
+}
+
 /// What was chosen, and what was measured of the points for it.
-std::string surface_line(const ConvertReport& r) {
-    const ReconstructReport& found = r.reconstruct;
-    if (found.method == Method::kAuto)  // nothing was reconstructed
+std::string surface_line(const RunReport& r) {
+    constexpr double kManyThinned = 0.01;
+    const ReconstructReport& found = r.convert.reconstruct;
+    if (!was_reconstructed(r))
         return fmt::format("surface {}: {}", to_word(found.surface), found.reason);
-    std::string line = fmt::format("surface {} by {}: {}; spacing {:.3g}, noise {:.2g} spacings",
-                                   to_word(found.surface), to_word(found.method), found.reason,
-                                   r.attributes.median_spacing, r.denoise.noise);
-    if (r.denoise.is_done) line += fmt::format(", taken out down to {:.2g}", r.denoise.noise_left);
+    std::string line =
+        fmt::format("surface {} by {}: {}; spacing {:.3g}", to_word(found.surface),
+                    to_word(found.method), found.reason, r.convert.attributes.median_spacing);
+    if (r.convert.denoise.is_measured) line += ", " + noise_text(r.convert.denoise);
+    if (found.num_holes_filled > 0)
+        line += fmt::format("; {} filled", counted(found.num_holes_filled, "hole"));
+    if (found.num_thinned > kManyThinned * static_cast<double>(num_points(r)))
+        line += fmt::format("; {} too near to others to be vertices as well",
+                            counted(found.num_thinned, "point"));
     return line;
+}
+
+/// Of a run that ends with the dense mesh.
+std::string dense_line(const RunReport& r) {
+    const ReconstructReport& found = r.convert.reconstruct;
+    std::string line = fmt::format("{} -> {}", counted(num_points(r), "point"),
+                                   counted(found.num_triangles, "triangle"));
+    if (was_reconstructed(r))
+        line += fmt::format(" in {} with {}", counted(found.num_components, "piece"),
+                            counted(found.num_boundary_loops, "border"));
+    return line;
+}
+
+std::string unused_faces_text(std::uint64_t num_faces) {
+    return fmt::format("the file has {}: --surface given would use {}", counted(num_faces, "face"),
+                       num_faces == 1 ? "it" : "them");
 }
 
 std::string geometry_line(const RunReport& r) {
     const SimplifyReport& simplify = r.convert.simplify;
     std::string line = fmt::format(
-        "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}",
-        counted(r.load.num_kept - r.convert.clean.num_dropped(), "point"),
+        "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}", counted(num_points(r), "point"),
         counted(simplify.num_triangles, "triangle"), to_word(r.convert.reconstruct.surface),
         simplify.points_to_mesh.max, simplify.points_to_mesh.mean, bound_text(simplify.bound));
     if (simplify.num_off_surface > 0)
@@ -128,9 +162,8 @@ std::string surface_plan(const Job& job, const ConvertInput& input) {
     const ReconstructOptions& options = job.convert.reconstruct;
     std::string text =
         fmt::format("{}, method {}", to_word(options.surface), to_word(options.method));
-    if (input.file_mesh)
-        text += fmt::format("; the file has {}, which only --surface given would use",
-                            counted(input.file_mesh->triangles.size(), "face"));
+    if (input.file_mesh && options.surface != Surface::kGiven)
+        text += "; " + unused_faces_text(input.file_mesh->triangles.size());
     return text;
 }
 
@@ -151,9 +184,15 @@ void append_defects(std::vector<std::string>& lines, const LoadReport& load) {
 
 std::vector<std::string> summary_lines(const RunReport& r) {
     std::vector<std::string> lines;
+    if (r.load.num_merged > 0)
+        lines.push_back(fmt::format("merged {} with the coordinates of another",
+                                    counted(r.load.num_merged, "row")));
     if (r.convert.clean.num_dropped() > 0)
         lines.push_back(fmt::format("cleaned: {} dropped", cleaning_text(r.convert.clean)));
-    if (!r.convert.reconstruct.reason.empty()) lines.push_back(surface_line(r.convert));
+    if (r.last_stage >= Stage::kReconstruct) lines.push_back(surface_line(r));
+    if (r.last_stage >= Stage::kReconstruct && r.convert.num_unused_faces > 0)
+        lines.push_back(unused_faces_text(r.convert.num_unused_faces));
+    if (r.last_stage == Stage::kReconstruct) lines.push_back(dense_line(r));
     if (r.last_stage >= Stage::kSimplify) lines.push_back(geometry_line(r));
     if (r.last_stage >= Stage::kTexture && r.convert.atlas.num_texels > 0)
         lines.push_back(texture_line(r));

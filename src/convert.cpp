@@ -77,17 +77,6 @@ void settle_colors(ConvertResult& result, const Context& context) {
     }
 }
 
-// With --surface auto a cloud with faces is still reconstructed: a mesh that is there may be
-// anything.
-void tell_about_faces(const ConvertInput& input, const ConvertOptions& options,
-                      const Context& context) {
-    if (!input.file_mesh || input.mesh || options.reconstruct.surface == Surface::kGiven) return;
-    log(context, LogLevel::kInfo,
-        "the file's {} faces are not used: its points are reconstructed (--surface given takes the "
-        "faces)",
-        input.file_mesh->triangles.size());
-}
-
 // Readings of [Wicke05] that its text leaves open.
 void tell_paper_readings(const Context& context) {
     log(context, LogLevel::kInfo,
@@ -102,6 +91,27 @@ void tell_paper_readings(const Context& context) {
         "kept open; a point is hidden where two others lie over it beyond a gap of 2.5 spacings");
 }
 
+// What may help where the surface leaves out most of the points.
+std::string other_ways(const ConvertOptions& options) {
+    std::string ways = options.denoise.denoise == Denoise::kOff ? "--denoise on, " : "";
+    ways += "another --surface or --method";
+    if (options.simplify.geometry_error)
+        ways += fmt::format(", a larger --geometry-error than {}",
+                            to_string(*options.simplify.geometry_error));
+    return ways;
+}
+
+// A reconstructed surface without most of its points is none of theirs; a budget may leave out
+// parts.
+void check_surface(const ConvertResult& result, const ConvertOptions& options) {
+    const SimplifyReport& report = result.light.report;
+    if (report.num_parts_removed > 0 || 2 * report.num_off_surface <= result.cloud.size()) return;
+    fail(ErrorCode::kDegenerate,
+         "the surface found leaves out {} of {} points, which lie farther from it than the bound; "
+         "try {}",
+         report.num_off_surface, result.cloud.size(), other_ways(options));
+}
+
 // Points that the surface leaves out are told of when they are many; when they are all, nothing is
 // left to make.
 void check_off_surface(ConvertResult& result, bool is_given, const Context& context) {
@@ -112,6 +122,7 @@ void check_off_surface(ConvertResult& result, bool is_given, const Context& cont
     constexpr std::string_view kHint = "; are mesh and points in the same place and unit?";
     if (is_given && report.num_off_surface == result.cloud.size())
         fail(ErrorCode::kEmpty, "no point lies near the mesh{}", kHint);
+    result.report.leaves_out_many = share > kMany;
     if (share > kMany)
         warn(result, context,
              fmt::format("{} of {} points ({:.1f} %) lie farther from the surface than the bound "
@@ -172,12 +183,28 @@ bool has_given_surface(const ConvertInput& input, const ConvertOptions& options)
     return input.mesh || options.reconstruct.surface == Surface::kGiven;
 }
 
-// A surface that is given is not second-guessed, and vertices of a mesh are where they should be.
+// Vertices of a mesh are where they should be.
 DenoiseOptions denoising_for(const ConvertInput& input, const ConvertOptions& options) {
     DenoiseOptions out = options.denoise;
-    const bool is_exact = out.denoise == Denoise::kAuto && input.file_mesh;
-    if (is_exact || has_given_surface(input, options)) out.denoise = Denoise::kOff;
+    if (out.denoise == Denoise::kAuto && input.file_mesh) out.denoise = Denoise::kOff;
     return out;
+}
+
+// Where the surface is given, what is asked for beside it would not be done.
+void check_given(const ConvertInput& input, const ConvertOptions& options) {
+    const auto refuse = [&](std::string_view option) {
+        fail(ErrorCode::kInvalidOption, "{} does not go with {}: nothing is reconstructed", option,
+             input.mesh ? "--mesh" : "--surface given");
+    };
+    const ReconstructOptions& asked = options.reconstruct;
+    if (asked.surface != Surface::kAuto && asked.surface != Surface::kGiven)
+        refuse(fmt::format("--surface {}", to_word(asked.surface)));
+    if (asked.method != Method::kAuto) refuse(fmt::format("--method {}", to_word(asked.method)));
+    if (asked.fill_holes) refuse("--fill-holes");
+    if (options.denoise.denoise == Denoise::kOn) refuse("--denoise on");
+    if (!input.mesh && (options.clean.crop || options.clean.subsample))
+        fail(ErrorCode::kInvalidOption,
+             "--crop and --subsample do not go with --surface given: the faces need their points");
 }
 
 }  // namespace
@@ -209,9 +236,7 @@ void validate(const ConvertOptions& options) {
 CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options) {
     CleanOptions cleaning = options.clean;
     if (!has_given_surface(input, options)) return cleaning;
-    if (!input.mesh && (cleaning.crop || cleaning.subsample))
-        fail(ErrorCode::kInvalidOption,
-             "--crop and --subsample do not go with --surface given: the faces need their points");
+    check_given(input, options);
     cleaning.outliers = cleaning.floaters = Unwanted::kKeep;
     return cleaning;
 }
@@ -225,14 +250,17 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
     if (options.texture.keep_uvs) layout = given_layout(input.mesh);
     const bool is_given = has_given_surface(input, options);
 
-    tell_about_faces(input, options, context);
+    if (!is_given && input.file_mesh)
+        result.report.num_unused_faces = input.file_mesh->triangles.size();
     if (options.texture.paper) tell_paper_readings(context);
     if (!stages.run(Stage::kAttributes, [&] {
             CleanResult cleaned =
                 clean(std::move(input.cloud), cleaning_for(input, options), context);
             result.report.clean = cleaned.report;
-            DenoiseResult denoised =
-                denoise(std::move(cleaned.cloud), denoising_for(input, options), context);
+            // A surface that is given is not second-guessed.
+            DenoiseResult denoised = is_given ? DenoiseResult{std::move(cleaned.cloud), {}}
+                                              : denoise(std::move(cleaned.cloud),
+                                                        denoising_for(input, options), context);
             result.report.denoise = denoised.report;
             AttributesResult attributes =
                 estimate_attributes(std::move(denoised.cloud), options.attributes, context);
@@ -264,6 +292,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
             simplifying.keep_mesh = simplifying.keep_mesh || layout;
             result.light = simplify(result.dense, result.cloud, simplifying, context);
             result.report.simplify = result.light.report;
+            if (!is_given) check_surface(result, options);
             check_off_surface(result, is_given, context);
         })) {
         return result;

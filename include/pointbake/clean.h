@@ -28,7 +28,7 @@ struct CleanOptions {
         field("outliers", &CleanOptions::outliers,
               "single points off the surface, told by the distances to their neighbours");
         field("floaters", &CleanOptions::floaters,
-              "floating pieces of less than 100 points and 0.1 % of the largest one");
+              "floating pieces of less than 100 points and less than 0.1 % of the largest piece");
         field("subsample", &CleanOptions::subsample,
               "thin the points: no two that are kept lie nearer to each other than this");
     }

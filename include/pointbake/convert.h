@@ -56,6 +56,8 @@ struct ConvertReport {
     SimplifyReport simplify;
     TextureReport texture;
     AtlasReport atlas;
+    std::uint64_t num_unused_faces = 0;  ///< of the points' file: its points are reconstructed
+    bool leaves_out_many = false;        ///< more than 2 % of the points are off the surface
     std::vector<StageTime> times;
     std::vector<std::string> warnings;
 };
@@ -85,10 +87,11 @@ void validate(const ConvertOptions& options);
 
 /// How convert cleans this input. Where the surface is given, it says what belongs to it: outliers
 /// and floating pieces are not looked for. Throws Error{kInvalidOption} where the faces of the same
-/// file would lose points.
+/// file would lose points, and for options of a reconstruction that is not done.
 CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options);
 
-/// Throws Error as the stages do.
+/// Throws Error as the stages do, and Error{kDegenerate} for a reconstructed surface that leaves
+/// out more than half of the points.
 ConvertResult convert(ConvertInput input, const ConvertOptions& options = {},
                       const StageObserver& observer = {}, const Context& context = {});
 

@@ -20,14 +20,16 @@ struct DenoiseOptions {
         field(
             "denoise", &DenoiseOptions::denoise,
             "move noisy points onto the surface between them: auto (from a noise of 0.05 spacings "
-            "on), on, or off");
+            "on, in files without faces), on, or off");
     }
 };
 
 struct DenoiseReport {
-    double noise = 0.0;       ///< measured: median over the points, in local spacings
-    double noise_left = 0.0;  ///< likewise, afterwards
+    bool is_measured = false;  ///< not where the points are too few
+    double noise = 0.0;        ///< measured: median over the points, in local spacings
+    double noise_left = 0.0;   ///< likewise, afterwards
     bool is_done = false;
+    bool is_relief = false;  ///< tried, and more than half was left: sharp or thin things, no noise
     double shift_rms = 0.0, shift_max = 0.0;  ///< of the points that were moved, cloud units
 };
 
@@ -46,7 +48,9 @@ double measure_noise(const PointCloud& cloud, const Context& context = {});
 /// many neighbours is chosen for each point: the most for which the quadrics of all smaller
 /// neighbourhoods agree within their uncertainty (intersection of confidence intervals
 /// [Goldenshluger97]), so that creases, rims and sheets close by stay. What was read stays in
-/// `cloud.measured`. O(n log n). The cloud is taken by value and handed back.
+/// `cloud.measured`. With `auto`, a cloud that keeps more than half of its noise is handed back
+/// unmoved and counts as clean; with `off` the noise is measured for the report alone: in both
+/// cloud.noise is 0. O(n log n). The cloud is taken by value and handed back.
 DenoiseResult denoise(PointCloud cloud, const DenoiseOptions& options = {},
                       const Context& context = {});
 

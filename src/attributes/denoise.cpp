@@ -47,6 +47,9 @@ constexpr double kBlendRadius = 0.6;
 // In standard deviations: what lies farther off is something else than noise.
 constexpr double kFarthest = 5.0;
 
+// Share of what was measured. More than that does not go away by denoising: it is no noise.
+constexpr double kMostLeft = 0.5;
+
 constexpr std::size_t kGrain = 256;
 constexpr std::string_view kStage = "attributes";
 
@@ -255,12 +258,14 @@ double measure_noise(const PointCloud& cloud, const Context& context) {
 DenoiseResult denoise(PointCloud cloud, const DenoiseOptions& options, const Context& context) {
     DenoiseResult result{std::move(cloud), {}};
     DenoiseReport& report = result.report;
-    if (options.denoise == Denoise::kOff || result.cloud.size() < kFewestPoints) return result;
+    if (result.cloud.size() < kFewestPoints) return result;
     std::vector<Vec3d> moved;
     {
         const KdTree tree(result.cloud.positions);
-        report.noise = measure(tree, result.cloud.positions, context);
-        result.cloud.noise = report.noise_left = report.noise;
+        report.noise = report.noise_left = measure(tree, result.cloud.positions, context);
+        report.is_measured = true;
+        if (options.denoise == Denoise::kOff) return result;  // only told
+        result.cloud.noise = report.noise;
         if (options.denoise == Denoise::kAuto && report.noise < kLeastNoise) {
             log(context, LogLevel::kInfo, "denoise: noise of {:.3f} spacings: left as it is",
                 report.noise);
@@ -268,10 +273,19 @@ DenoiseResult denoise(PointCloud cloud, const DenoiseOptions& options, const Con
         }
         moved = Denoiser(tree, result.cloud.positions, report.noise, context).run();
     }
+    const double left = measure(KdTree(moved), moved, context);
+    if (options.denoise == Denoise::kAuto && left > kMostLeft * report.noise) {
+        report.is_relief = true;
+        result.cloud.noise = 0.0;
+        log(context, LogLevel::kInfo,
+            "denoise: noise of {:.2f} spacings, {:.2f} would be left: no noise, left as it is",
+            report.noise, left);
+        return result;
+    }
     report.is_done = true;
     result.cloud.measured = std::move(result.cloud.positions);
     result.cloud.positions = std::move(moved);
-    result.cloud.noise = report.noise_left = measure_noise(result.cloud, context);
+    result.cloud.noise = report.noise_left = left;
     tell_shift(result.cloud, report);
     log(context, LogLevel::kInfo,
         "denoise: noise of {:.2f} spacings, {:.2f} left; points moved by {:.4g} (RMS), {:.4g} at "

@@ -20,8 +20,8 @@ FlatFrame find_plane(std::span<const Vec3d> points) {
     const double extent = points.empty() ? 0.0 : box.diagonal();
     if (!(extent > 0))
         fail(ErrorCode::kDegenerate,
-             "{} points, all in one place: a surface needs at least 3 "
-             "different ones that are not on a line",
+             "all {} points are in one place: a surface needs at least 3 different ones that are "
+             "not on a line",
              points.size());
     // The point farthest from the first spans the line with it, the one farthest from that the
     // plane.

@@ -72,13 +72,12 @@ ReconstructResult run_implicit(const PointCloud& cloud, Surface wanted, double m
         fail(ErrorCode::kDegenerate, "no surface found between the {} points", cloud.size());
     report.surface = is_closed ? Surface::kWatertight : Surface::kOpen;
     report.method = Method::kImplicit;
-    report.reason =
-        wanted == Surface::kAuto
-            ? fmt::format(
-                  "lids on all borders add {:.2f} % of the area (at most {:.0f} % for a "
-                  "closed surface)",
-                  100 * report.added_area_fraction, 100 * max_added)
-            : "asked for";
+    report.reason = wanted == Surface::kAuto
+                        ? fmt::format("{} {:.1f} % of the area (limit {:.0f} %)",
+                                      is_closed ? "closed, as lids on all borders add only"
+                                                : "open, as lids on all borders would add",
+                                      100 * report.added_area_fraction, 100 * max_added)
+                        : "asked for";
     return result;
 }
 

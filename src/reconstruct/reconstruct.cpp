@@ -51,13 +51,46 @@ Surface wanted_surface(const ReconstructOptions& options) {
     return is_closing(options.method) ? Surface::kWatertight : options.surface;
 }
 
+// The one point, and what became of the others: "1 point left of 20 rows (19 outside of --crop)".
+std::string fate_of_points(const PointCloud& cloud) {
+    std::string fates;
+    const auto append = [&](std::ptrdiff_t count, std::string_view fate) {
+        if (count > 0) fates += fmt::format("{}{} {}", fates.empty() ? "" : ", ", count, fate);
+    };
+    const auto append_dropped = [&](DropReason reason, std::string_view fate) {
+        append(std::ranges::count(cloud.dropped, reason, &DroppedPoint::reason), fate);
+    };
+    append(std::ssize(cloud.merged), "with the coordinates of another");
+    append_dropped(DropReason::kNonFinite, "with NaN or infinite coordinates");
+    append_dropped(DropReason::kOutlier, "by --outliers drop");
+    append_dropped(DropReason::kFloating, "by --floaters drop");
+    append_dropped(DropReason::kCropped, "outside of --crop");
+    append_dropped(DropReason::kSubsampled, "nearer than --subsample");
+    const std::string count =
+        cloud.size() == 1 ? "1 point" : fmt::format("{} points", cloud.size());
+    if (fates.empty()) return count;
+    return fmt::format("{} left of {} rows ({})", count, cloud.num_rows, fates);
+}
+
 void check_positions(const PointCloud& cloud) {
+    if (cloud.size() < 3)
+        fail(ErrorCode::kDegenerate, "{}: a surface needs at least 3 that are not on a line",
+             fate_of_points(cloud));
     if (cloud.size() >= kInvalidIndex - 1)
         fail(ErrorCode::kLimit, "{} points: at most {} can be reconstructed at once", cloud.size(),
              kInvalidIndex - 2);
     for (std::size_t i = 0; i < cloud.size(); ++i)
         if (!is_finite(cloud.positions[i]))
             fail(ErrorCode::kInvalidInput, "point {} has a coordinate that is not finite", i);
+}
+
+// Throws where they shall enclose something and cannot.
+FlatFrame checked_plane(const PointCloud& cloud, Surface wanted) {
+    const FlatFrame frame = find_plane(cloud.positions);
+    if (frame.is_flat && wanted == Surface::kWatertight)
+        fail(ErrorCode::kDegenerate,
+             "the points lie in a plane, which no watertight surface can have; use --surface open");
+    return frame;
 }
 
 double area_of(const Tetrahedra& tets, const std::vector<HalfFacet>& facets,
@@ -137,12 +170,8 @@ class Stage {
 
     ReconstructResult run() {
         report_progress(context_, kStage, 0.0);
-        const FlatFrame frame = find_plane(cloud_.positions);
+        const FlatFrame frame = checked_plane(cloud_, wanted_);
         is_flat_ = frame.is_flat;
-        if (is_flat_ && wanted_ == Surface::kWatertight)
-            fail(ErrorCode::kDegenerate,
-                 "the points lie in a plane, which no watertight surface can have; use --surface "
-                 "open");
         tets_ = triangulate(is_flat_ ? project(cloud_.positions, frame) : cloud_.positions);
         if (is_robust_) keep_outer_points();
         report_progress(context_, kStage, 0.5);
@@ -189,6 +218,19 @@ class Stage {
         tets_ = std::move(rest);
     }
 
+    std::string reason(const Difference& d, bool is_closed) const {
+        if (wanted_ == Surface::kWatertight)
+            return fmt::format(
+                "asked for; closing adds {:.1f} % of the area and loses {:.1f} % of what was found",
+                100 * d.added, 100 * d.lost);
+        return fmt::format(
+            "{} {:.1f} % of the area (limit {:.0f} %) and {} {:.1f} % of what was found (limit "
+            "{:.0f} %)",
+            is_closed ? "closed, as closing adds only" : "open, as closing would add",
+            100 * d.added, 100 * kMaxAdded, is_closed ? "loses" : "lose", 100 * d.lost,
+            100 * kMaxLost);
+    }
+
     // Replaces the open surface by the closed one where that is wanted.
     void choose(const Cocone& cocone, FacetSurface& surface) {
         report_.surface = Surface::kOpen;
@@ -208,13 +250,9 @@ class Stage {
         report_.num_conflicts = labels.num_conflicts;
         report_.added_area_fraction = d.added;
         const bool is_closed = !closed.facets.empty() && d.added <= kMaxAdded && d.lost <= kMaxLost;
-        const bool close = wanted_ == Surface::kWatertight || is_closed;
-        report_.reason = fmt::format(
-            "closing adds {:.2f} % of the area (at most {:.0f} % for a closed surface) and loses "
-            "{:.2f} % of what was found (at most {:.0f} %); {} of {} points are poor",
-            100 * d.added, 100 * kMaxAdded, 100 * d.lost, 100 * kMaxLost, labels.num_poor,
-            tets_.num_real());
-        if (!close) return;
+        report_.reason = reason(d, is_closed) + fmt::format("; {} of {} points are poor",
+                                                            labels.num_poor, tets_.num_real());
+        if (wanted_ == Surface::kAuto && !is_closed) return;
         if (closed.facets.empty())
             fail(ErrorCode::kDegenerate,
                  "the points enclose nothing: no watertight surface; use --surface open");
@@ -332,7 +370,7 @@ void validate(const ReconstructOptions& options) {
         (options.surface == Surface::kWatertight && options.method == Method::kCocone))
         fail(ErrorCode::kInvalidOption,
              "method '{}' does not make a surface that is '{}': cocone is for open surfaces, "
-             "tight-cocone and robust-cocone for watertight ones",
+             "tight-cocone and robust-cocone for watertight ones; implicit makes both",
              to_word(options.method), to_word(options.surface));
     if (!is_available(options.method))
         fail(ErrorCode::kInvalidOption,
@@ -359,6 +397,7 @@ ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions&
     validate(options);
     check_positions(cloud);
     const bool is_implicit = needs_normals(options);
+    if (is_implicit) checked_plane(cloud, options.surface);
     ReconstructResult result = is_implicit
                                    ? run_implicit(cloud, options.surface, kMaxAdded, context)
                                    : Stage(cloud, options, context).run();

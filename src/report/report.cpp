@@ -116,7 +116,9 @@ Json to_json(const TextureReport& r) {
 }
 
 Json to_json(const DenoiseReport& r) {
-    Json json = {{"noise_in_spacings", r.noise}, {"done", r.is_done}};
+    Json json = {{"noise_in_spacings", r.is_measured ? Json(r.noise) : Json()},
+                 {"done", r.is_done},
+                 {"relief", r.is_relief}};
     if (r.is_done)
         json.update(
             {{"noise_left", r.noise_left}, {"shift_rms", r.shift_rms}, {"shift_max", r.shift_max}});

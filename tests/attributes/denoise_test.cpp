@@ -111,7 +111,28 @@ TEST(Denoise, LeavesCleanCloudsAlone) {
 TEST(Denoise, CanBeTurnedOnAndOff) {
     EXPECT_TRUE(denoise(noisy_sphere(0.03), {Denoise::kOn}).report.is_done);
     const PointCloud cloud = noisy_sphere(0.3);
-    EXPECT_EQ(denoise(cloud, {Denoise::kOff}).cloud.positions, cloud.positions);
+    const DenoiseResult off = denoise(cloud, {Denoise::kOff});
+    EXPECT_EQ(off.cloud.positions, cloud.positions);
+    EXPECT_NEAR(off.report.noise, 0.3, 0.03);  // told
+    EXPECT_EQ(off.cloud.noise, 0.0);           // and without effect
+    EXPECT_FALSE(denoise(bare(shapes::sphere_cloud(63))).report.is_measured);
+}
+
+TEST(Denoise, LeavesWhatDoesNotGoAway) {
+    // Points anywhere in a ball: no surface to move them onto.
+    PointCloud cloud;
+    for (std::uint64_t i = 0; cloud.size() < kCount; i += 3) {
+        const Vec3d p{shapes::random_normal(3, i), shapes::random_normal(3, i + 1),
+                      shapes::random_normal(3, i + 2)};
+        cloud.positions.push_back(p);
+    }
+    const DenoiseResult done = denoise(cloud);
+    EXPECT_TRUE(done.report.is_relief);
+    EXPECT_FALSE(done.report.is_done);
+    EXPECT_EQ(done.cloud.positions, cloud.positions);
+    EXPECT_TRUE(done.cloud.measured.empty());
+    EXPECT_EQ(done.cloud.noise, 0.0);
+    EXPECT_TRUE(denoise(cloud, {Denoise::kOn}).report.is_done);
 }
 
 TEST(Denoise, KeepsWhatWasReadAndTellsTheShift) {

@@ -71,6 +71,39 @@ TEST(BadInput, PointsThatMakeNoSurfaceAreUnreadable) {
     expect_refused(ascii_ply(std::vector<Vec3d>(100, Vec3d{1.0, 2.0, 3.0})), 3, "equal points");
 }
 
+TEST(BadInput, OnePointTellsWhatTookTheOthers) {
+    const TemporaryFolder folder;
+    const auto told = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"in.ply", "out.glb"});
+        const ProgramRun run = run_program(folder, words);
+        EXPECT_EQ(run.exit_code, 3) << run.err;
+        return run.err;
+    };
+    folder.write("in.ply", ascii_ply(std::vector<Vec3d>(100, Vec3d{1.0, 2.0, 3.0})));
+    EXPECT_THAT(told({}),
+                HasSubstr("in.ply: 1 point left of 100 rows (99 with the coordinates of another)"));
+    folder.write("in.ply", ascii_ply(egg_points(90)));
+    EXPECT_THAT(told({"--subsample", "1e9"}),
+                HasSubstr("1 point left of 90 rows (89 nearer than --subsample)"));
+    folder.write("in.ply", ascii_ply(line(2)));
+    EXPECT_THAT(told({"--crop", "0,0,-1,0,1,1"}),
+                HasSubstr("1 point left of 2 rows (1 outside of --crop)"));
+    EXPECT_THAT(told({}), HasSubstr("2 points: a surface needs at least 3"));
+}
+
+TEST(BadInput, CoplanarPointsAreNoWatertightSurface) {
+    const TemporaryFolder folder;
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 400; ++i) points.push_back({0.1 * (i % 20), 0.1 * (i / 20), 5.0});
+    folder.write("in.ply", ascii_ply(points));
+    for (const char* method : {"auto", "implicit"}) {
+        const ProgramRun run =
+            run_program(folder, {"in.ply", "--method", method, "--surface", "watertight"});
+        EXPECT_EQ(run.exit_code, 3) << method;
+        EXPECT_THAT(run.err, HasSubstr("the points lie in a plane")) << method;
+    }
+}
+
 TEST(BadInput, NothingLeftAfterCleaningIsExitSix) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     expect_refused(ascii_ply(std::vector<Vec3d>(50, Vec3d{nan, nan, nan})), 6, "NaN everywhere");

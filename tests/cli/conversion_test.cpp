@@ -47,6 +47,57 @@ TEST_F(Conversion, WritesAGlbBesideTheInputAndASummaryToStderr) {
     EXPECT_THAT(done.err, testing::Not(HasSubstr("\033"))) << "a bar off the terminal";
 }
 
+TEST_F(Conversion, TellsOfTheDenseMesh) {
+    EXPECT_THAT(run_well({"reconstruct", "in.ply", "dense.ply"}).err,
+                testing::ContainsRegex("3,000 points -> [0-9,]+ triangles in 1 piece with 0 "
+                                       "borders"));
+}
+
+TEST_F(Conversion, TellsOfMergedRowsAndOfFacesThatAreNotUsed) {
+    run_well({"reconstruct", "in.ply", "dense.ply"});
+    const ProgramRun used = run_well({"-i", "dense.ply", "-o", "a.glb", "--surface", "given"});
+    EXPECT_THAT(used.err, testing::Not(HasSubstr("--surface given would")));
+    EXPECT_THAT(used.err, testing::Not(HasSubstr("noise")));
+    const std::vector<std::string> words = {"-i", "dense.ply", "-o", "a.glb"};
+    const std::string hint = "faces: --surface given would use them";
+    EXPECT_THAT(run_well(words).err, HasSubstr(hint));
+    EXPECT_THAT(run_well({"info", "dense.ply"}).out, HasSubstr(hint));
+
+    std::vector<Vec3d> points = egg_points(1000);
+    points.insert(points.end(), points.begin(), points.begin() + 20);
+    folder_.write("twice.ply", ascii_ply(points));
+    EXPECT_THAT(run_well({"reconstruct", "twice.ply", "b.ply"}).err,
+                HasSubstr("merged 20 rows with the coordinates of another"));
+}
+
+TEST_F(Conversion, RefusesWhatAGivenSurfaceWouldIgnore) {
+    run_well({"reconstruct", "in.ply", "dense.ply"});
+    const std::vector<std::vector<std::string>> ignored = {{"--method", "implicit"},
+                                                           {"--denoise", "on"},
+                                                           {"--fill-holes", "1%"},
+                                                           {"--surface", "open"}};
+    for (const std::vector<std::string>& option : ignored)
+        for (const std::vector<std::string>& given :
+             {std::vector<std::string>{"--mesh", "dense.ply"}, {"--surface", "given"}}) {
+            if (option[0] == given[0]) continue;
+            std::vector<std::string> words = {"-i", "dense.ply", "-o", "a.glb"};
+            words.insert(words.end(), given.begin(), given.end());
+            words.insert(words.end(), option.begin(), option.end());
+            const ProgramRun done = run(words);
+            EXPECT_EQ(done.exit_code, 2) << testing::PrintToString(words);
+            EXPECT_THAT(done.err, HasSubstr(option[0] + " "));
+            EXPECT_THAT(done.err, HasSubstr("does not go with " + given[0]));
+        }
+}
+
+TEST_F(Conversion, ASurfaceWithoutMostOfThePointsIsNone) {
+    folder_.write("few.ply", ascii_ply(egg_points(20)));
+    const ProgramRun done = run({"few.ply", "few.glb", "--method", "implicit"});
+    EXPECT_EQ(done.exit_code, 3) << done.err;
+    EXPECT_THAT(done.err, testing::ContainsRegex("few.ply: .* of 20 points.*another --surface"));
+    EXPECT_THAT(folder_.files(), ElementsAre("few.ply", "in.ply"));
+}
+
 TEST_F(Conversion, DrawsWhatTheTexelsAreWhenAsked) {
     run_well({"in.ply", "out.glb", "--triangles", "300", "--debug-maps", "maps",
               "--debug-background", "ff00ff"});
@@ -244,6 +295,11 @@ TEST_F(Conversion, AMeshInAnotherPlaceOrUnitIsToldAbout) {
     EXPECT_THAT(
         run_well({"in.ply", "out.glb", "--mesh", "near.obj", "--geometry-error", "0.3"}).err,
         testing::AllOf(HasSubstr("are left out"), HasSubstr("off the surface")));
+    EXPECT_EQ(
+        run({"in.ply", "strict.glb", "--mesh", "near.obj", "--geometry-error", "0.3", "--strict"})
+            .exit_code,
+        5);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "strict.glb"));
 }
 
 TEST_F(Conversion, WhatLooksLikeAnInputIsNotOverwrittenByASlip) {
@@ -340,6 +396,17 @@ TEST_F(Conversion, RenderDrawsCloudsAndModelsSideBySide) {
     EXPECT_THAT(folder_.read("both.png"), testing::StartsWith("\x89PNG"));
     run_well({"render", "out.glb"});
     EXPECT_THAT(folder_.files(), ElementsAre("both.png", "in.ply", "out-picture.png", "out.glb"));
+}
+
+TEST_F(Conversion, RenderLooksFromAboveAndKnowsAxes) {
+    const auto draw = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"render", "in.ply", "a.png", "--width", "40"});
+        run_well(words);
+        return folder_.read("a.png");
+    };
+    EXPECT_EQ(draw({"--direction", "0,1,0"}), draw({"--direction", "y", "--up", "0,0,-1"}));
+    EXPECT_EQ(draw({"--up", "z"}), draw({"--up", "0,0,1"}));
+    EXPECT_EQ(draw({}), draw({"--up", "y"}));
 }
 
 TEST_F(Conversion, RenderLeavesTexturesAlone) {

@@ -40,7 +40,7 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"in.ply", "--texture-error", "-3"}, "texture-error is -3"},
         {{"in.ply", "o.glb", "--mesh", "in.ply", "--keep-mesh", "--triangles", "5"}, "--triangles"},
         {{"in.ply", "--surface", "closed"}, "watertight"},
-        {{"in.ply", "--surface", "open", "--method", "tight-cocone"}, "tight-cocone"},
+        {{"in.ply", "--surface", "open", "--method", "tight-cocone"}, "implicit makes both"},
         {{"in.ply", "out.stl"}, ".glb"},
         {{"in.ply", "in.ply"}, "is an input"},
         {{"in.ply", "-o", "in.ply"}, "is an input"},
@@ -61,7 +61,8 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"in.ply", "--geometry-error", "0"}, "geometry-error is 0"},
         {{"in.ply", "a.glb", "--debug-maps", "a.glb"}, "named twice"},
         {{"render", "in.ply", "--direction", "1,2"}, "three numbers"},
-        {{"render", "in.ply", "--direction", "0,1,0"}, "no such view"},
+        {{"render", "in.ply", "--direction", "0,1,0", "--up", "y"}, "no such view"},
+        {{"render", "in.ply", "--direction", "0,0,0"}, "no such view"},
     };
     const std::string input = folder.read("in.ply");
     for (const auto& [words, hint] : cases) {
