@@ -76,6 +76,7 @@ TEST_F(OpenSurface, FillsHolesOfTheSizeThatIsGiven) {
     const Json filled = told({"--fill-holes", "1300mm"});
     EXPECT_EQ(filled["holes_filled"], 1);
     EXPECT_EQ(filled["boundary_loops"], 0);
+    EXPECT_THAT(run({"--fill-holes", "1300mm"}).err, HasSubstr("; 1 hole filled\n"));
     for (const char* wrong : {"-1", "wide"}) EXPECT_EQ(run({"--fill-holes", wrong}).exit_code, 2);
 }
 
