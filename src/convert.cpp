@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 
 #include "bake.h"
@@ -49,19 +50,23 @@ void warn(ConvertResult& result, const Context& context, std::string message) {
     result.report.warnings.push_back(std::move(message));
 }
 
-// Colour from a channel called intensity where there is none of its own, on the range that it
-// spans.
+// Colour from a channel called intensity where there is none of its own, on the range that its
+// finite values span; NaN is black.
 bool intensity_to_color(PointCloud& cloud) {
     for (const Channel& channel : cloud.channels) {
         if (channel.kind != ChannelKind::kScalar || channel.num_components != 1) continue;
         if (channel.name.find("ntensity") == std::string::npos) continue;
-        const auto [low, high] = std::minmax_element(channel.data.begin(), channel.data.end());
-        const float range = *high - *low;
-        if (!(range > 0.0F)) continue;
+        float low = HUGE_VALF, high = -HUGE_VALF;
+        for (const float v : channel.data)
+            if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+        const float range = high - low;
+        if (!(range > 0.0F && std::isfinite(range))) continue;
         cloud.colors.resize(cloud.size());
         for (std::size_t i = 0; i < cloud.size(); ++i) {
-            const auto v = static_cast<std::uint16_t>((channel.data[i] - *low) / range * 65535.0F);
-            cloud.colors[i] = {v, v, v};
+            const float v = std::isnan(channel.data[i]) ? low : channel.data[i];
+            const auto grey =
+                static_cast<std::uint16_t>(std::clamp((v - low) / range, 0.0F, 1.0F) * 65535.0F);
+            cloud.colors[i] = {grey, grey, grey};
         }
         return true;
     }

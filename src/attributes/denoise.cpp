@@ -25,6 +25,9 @@ constexpr std::size_t kMostMeasured = 20000;  // points that the cloud's noise i
 constexpr std::size_t kFewNeighbors = 12, kSomeNeighbors = 16, kManyNeighbors = 32;
 constexpr double kMedianOfFew = 0.944, kMedianOfMany = 0.987;
 constexpr double kMuchNoise = 0.2;
+// What many read over what few do. Noise of 1.5 spacings on a sphere reaches 1.57; two noisy
+// walls 2.7 or 3 spacings apart reach 2.6 and more.
+constexpr double kOtherWall = 1.8;
 // Noise at a point over that of the cloud, at most: more is structure.
 constexpr double kMostUneven = 4.0;
 constexpr std::size_t kSmoothNeighbors = 48;  // whose median is the noise at a point
@@ -99,10 +102,18 @@ double median_noise(const KdTree& tree, std::span<const Vec3d> positions, std::s
     return static_cast<double>(median_in_place(std::span(noise)));
 }
 
-double measure(const KdTree& tree, std::span<const Vec3d> positions, const Context& context) {
+/// In spacings, and the neighbours to measure it with at a point.
+struct CloudNoise {
+    double deviation = 0.0;
+    std::size_t num_neighbors = kSomeNeighbors;
+};
+
+CloudNoise measure(const KdTree& tree, std::span<const Vec3d> positions, const Context& context) {
     const double few = median_noise(tree, positions, kFewNeighbors, context) / kMedianOfFew;
-    if (few < kMuchNoise) return few;
-    return median_noise(tree, positions, kManyNeighbors, context) / kMedianOfMany;
+    if (few < kMuchNoise) return {few, kSomeNeighbors};
+    const double many = median_noise(tree, positions, kManyNeighbors, context) / kMedianOfMany;
+    if (many > kOtherWall * few) return {few, kSomeNeighbors};
+    return {many, kManyNeighbors};
 }
 
 /// The surface around a point, as far as its radius.
@@ -124,13 +135,13 @@ struct SurfacePatch {
 
 class Denoiser {
  public:
-    Denoiser(const KdTree& tree, std::span<const Vec3d> positions, double noise,
+    Denoiser(const KdTree& tree, std::span<const Vec3d> positions, CloudNoise noise,
              const Context& context)
         : tree_(tree),
           positions_(positions),
           context_(context),
-          most_noise_(kMostUneven * noise),
-          num_neighbors_(noise < kMuchNoise ? kSomeNeighbors : kManyNeighbors) {}
+          most_noise_(kMostUneven * noise.deviation),
+          num_neighbors_(noise.num_neighbors) {}
 
     std::vector<Vec3d> run() {
         find_noise();
@@ -252,7 +263,7 @@ void tell_shift(const PointCloud& cloud, DenoiseReport& report) {
 
 double measure_noise(const PointCloud& cloud, const Context& context) {
     if (cloud.size() < kFewestPoints) return 0.0;
-    return measure(KdTree(cloud.positions), cloud.positions, context);
+    return measure(KdTree(cloud.positions), cloud.positions, context).deviation;
 }
 
 DenoiseResult denoise(PointCloud cloud, const DenoiseOptions& options, const Context& context) {
@@ -262,7 +273,8 @@ DenoiseResult denoise(PointCloud cloud, const DenoiseOptions& options, const Con
     std::vector<Vec3d> moved;
     {
         const KdTree tree(result.cloud.positions);
-        report.noise = report.noise_left = measure(tree, result.cloud.positions, context);
+        const CloudNoise noise = measure(tree, result.cloud.positions, context);
+        report.noise = report.noise_left = noise.deviation;
         report.is_measured = true;
         if (options.denoise == Denoise::kOff) return result;  // only told
         result.cloud.noise = report.noise;
@@ -271,9 +283,9 @@ DenoiseResult denoise(PointCloud cloud, const DenoiseOptions& options, const Con
                 report.noise);
             return result;
         }
-        moved = Denoiser(tree, result.cloud.positions, report.noise, context).run();
+        moved = Denoiser(tree, result.cloud.positions, noise, context).run();
     }
-    const double left = measure(KdTree(moved), moved, context);
+    const double left = measure(KdTree(moved), moved, context).deviation;
     if (options.denoise == Denoise::kAuto && left > kMostLeft * report.noise) {
         report.is_relief = true;
         result.cloud.noise = 0.0;

@@ -1,5 +1,8 @@
 #include "pointbake/clean.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "clean/floaters.h"
 #include "clean/neighborhoods.h"
 #include "clean/outliers.h"
@@ -29,6 +32,25 @@ void crop(CleanResult& result, const Box& box) {
         fail(ErrorCode::kEmpty, "--crop {} leaves none of the {} points", to_string(box),
              fates.size());
     result.cloud = select_points(std::move(result.cloud), fates);
+}
+
+// Squares of areas and the like must stay numbers.
+void check_reach(const PointCloud& cloud) {
+    constexpr double kMost = 1e15, kLeast = 1e-12;
+    Box box;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const Vec3d& p = cloud.positions[i];
+        box.extend(p);
+        if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > kMost)
+            fail(ErrorCode::kInvalidInput,
+                 "point {} lies at {:.4g} {:.4g} {:.4g}: coordinates of at most {:.0e} are "
+                 "accepted (--crop drops others)",
+                 i < cloud.rows.size() ? cloud.rows[i] : i, p.x, p.y, p.z, kMost);
+    }
+    const double diagonal = box.diagonal();
+    if (cloud.size() > 1 && diagonal > 0.0 && diagonal < kLeast)
+        fail(ErrorCode::kInvalidInput, "the points span {:.2g}: at least {:.0e} is accepted",
+             diagonal, kLeast);
 }
 
 void drop_unwanted(CleanResult& result, const CleanOptions& options, const Context& context) {
@@ -71,6 +93,7 @@ CleanResult clean(PointCloud cloud, const CleanOptions& options, const Context& 
     validate(options);
     CleanResult result{.cloud = std::move(cloud), .report = {}};
     if (options.crop) crop(result, *options.crop);
+    check_reach(result.cloud);
     const bool keeps_all =
         options.outliers == Unwanted::kKeep && options.floaters == Unwanted::kKeep;
     if (!keeps_all && result.cloud.size() >= kFewestPoints) drop_unwanted(result, options, context);

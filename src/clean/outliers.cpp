@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/median.h"
 #include "core/parallel.h"
@@ -45,6 +46,7 @@ constexpr int kMostRounds = 32;
 /// Mean distances above this are sparse.
 double sparse_reach(std::vector<double> reach) {
     const double median = median_in_place(std::span<double>(reach));
+    if (!(median > 0.0)) return HUGE_VAL;  // most points lie upon others
     for (double& r : reach) r = std::max(r / median, median / r);
     const double deviation = median_in_place(std::span<double>(reach));
     double factor = 1.0;

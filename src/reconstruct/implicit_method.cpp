@@ -74,8 +74,8 @@ ReconstructResult run_implicit(const PointCloud& cloud, Surface wanted, double m
     report.method = Method::kImplicit;
     report.reason = wanted == Surface::kAuto
                         ? fmt::format("{} {:.1f} % of the area (limit {:.0f} %)",
-                                      is_closed ? "closed, as lids on all borders add only"
-                                                : "open, as lids on all borders would add",
+                                      is_closed ? "lids on all borders add only"
+                                                : "lids on all borders would add",
                                       100 * report.added_area_fraction, 100 * max_added)
                         : "asked for";
     return result;

@@ -226,9 +226,8 @@ class Stage {
         return fmt::format(
             "{} {:.1f} % of the area (limit {:.0f} %) and {} {:.1f} % of what was found (limit "
             "{:.0f} %)",
-            is_closed ? "closed, as closing adds only" : "open, as closing would add",
-            100 * d.added, 100 * kMaxAdded, is_closed ? "loses" : "lose", 100 * d.lost,
-            100 * kMaxLost);
+            is_closed ? "closing adds only" : "closing would add", 100 * d.added, 100 * kMaxAdded,
+            is_closed ? "loses" : "lose", 100 * d.lost, 100 * kMaxLost);
     }
 
     // Replaces the open surface by the closed one where that is wanted.

@@ -62,6 +62,22 @@ TEST(MeasureNoise, DoesNotTakeAnotherWallForNoise) {
     EXPECT_LT(measure_noise(walls), 0.02);
 }
 
+TEST(MeasureNoise, OfOneWallIsNotTheDistanceToTheOther) {
+    const double spacing = spacing_on(1.0, 5000);
+    for (const auto& [gap, noise] : {std::pair{2.7, 0.2}, {2.7, 0.3}, {3.0, 0.3}}) {
+        PointCloud walls;
+        for (const std::uint64_t wall : {0U, 1U})
+            for (const Vec3d p : random_square(5000, 3 + wall).positions) {
+                const std::uint64_t i = walls.positions.size();
+                const Vec3d off{shapes::random_normal(5, i), shapes::random_normal(6, i),
+                                shapes::random_normal(7, i)};
+                walls.positions.push_back(p + off * (noise * spacing) +
+                                          Vec3d{0.0, 0.0, gap * spacing * double(wall)});
+            }
+        EXPECT_NEAR(measure_noise(walls), noise, 0.15 * noise) << gap;
+    }
+}
+
 TEST(MeasureNoise, IsZeroForAHandfulOfPoints) {
     EXPECT_EQ(measure_noise(bare(shapes::sphere_cloud(63))), 0.0);
 }

@@ -194,6 +194,28 @@ TEST(Clean, TakesAnythingWithoutPointsToSpare) {
     EXPECT_EQ(clean(line).report.num_dropped(), 0U);
 }
 
+TEST(Clean, RefusesCoordinatesThatNumbersCannotBear) {
+    const auto scaled = [](double by) {
+        PointCloud cloud = shapes::sphere_cloud(3000);
+        for (Vec3d& p : cloud.positions) p = p * by;
+        return cloud;
+    };
+    for (const double fine : {1e-11, 1.0, 1e14}) EXPECT_NO_THROW(clean(scaled(fine)));
+    for (const double bad : {1e-40, 1e16, 1e155, 1e200}) EXPECT_THROW(clean(scaled(bad)), Error);
+    PointCloud one_off = shapes::sphere_cloud(3000);
+    shapes::add_point(one_off, {1e155, 0, 0}, {1, 0, 0});
+    EXPECT_THROW(clean(one_off), Error);
+    EXPECT_NO_THROW(clean(one_off, {.crop = Box{{-2, -2, -2}, {2, 2, 2}}}));
+}
+
+TEST(Clean, DegenerateCloudsStayWhole) {
+    PointCloud line, pair;
+    for (int i = 0; i < 500; ++i) shapes::add_point(line, {1.0 * i, 0, 0}, {0, 1, 0});
+    for (int i = 0; i < 500; ++i) shapes::add_point(pair, {1e-9 * (i % 2), 0, 0}, {0, 1, 0});
+    EXPECT_EQ(clean(line).report.num_dropped(), 0U);
+    EXPECT_EQ(clean(pair).report.num_dropped(), 0U);
+}
+
 TEST(Clean, StopsWhenTold) {
     std::stop_source stop;
     stop.request_stop();

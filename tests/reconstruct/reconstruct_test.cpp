@@ -392,11 +392,11 @@ TEST(Reconstruct, NamesThePointUnderEachVertex) {
 TEST(Reconstruct, SaysWhyItChose) {
     const ReconstructResult r = reconstruct(shapes::half_sphere_cloud(2000));
     EXPECT_THAT(r.report.reason,
-                testing::MatchesRegex("open, as closing would add 3.* % of the area .limit 15 %. "
+                testing::MatchesRegex("closing would add 3.* % of the area .limit 15 %. "
                                       "and lose .* .limit 5 %.; .* of 2000 points are poor"));
     EXPECT_EQ(r.report.method, Method::kCocone);
     EXPECT_THAT(reconstruct(shapes::sphere_cloud(2000)).report.reason,
-                testing::StartsWith("closed, as closing adds only 0.0 % of the area (limit 15 %)"));
+                testing::StartsWith("closing adds only 0.0 % of the area (limit 15 %)"));
     EXPECT_THAT(
         reconstruct(shapes::sphere_cloud(2000), {.surface = Surface::kWatertight}).report.reason,
         testing::StartsWith("asked for; closing adds 0.0 %"));
