@@ -21,7 +21,8 @@ struct ImplicitInput {
 /// The zero set of the points' signed distance (signed_distance.h), contoured on an adaptive grid
 /// (field_grid.h). Sampled once, for both kinds of surface.
 /// The same for any number of threads and any order of the points. Near linear. Throws
-/// Error{kCancelled}.
+/// Error{kCancelled}, and Error{kLimit} for points much nearer to each other than the grid's finest
+/// edges (extents of some 100 000 spacings).
 class ImplicitSurface {
  public:
     explicit ImplicitSurface(const ImplicitInput& input, const Context& context = {});

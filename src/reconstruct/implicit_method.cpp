@@ -60,7 +60,7 @@ ReconstructResult run_implicit(const PointCloud& cloud, Surface wanted, double m
     bool is_closed = wanted == Surface::kWatertight;
     const ImplicitSurface surface(input, context);
     if (!is_closed) mesh = surface.mesh(false, context);
-    if (wanted == Surface::kAuto) {
+    if (wanted == Surface::kAuto && !mesh.triangles.empty()) {
         report.added_area_fraction = share_of_lids(mesh);
         is_closed = report.added_area_fraction <= max_added;
     }
