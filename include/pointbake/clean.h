@@ -61,8 +61,8 @@ void validate(const CleanOptions& options);
 /// points in one place. The cloud is taken by value and handed back. O(n log n), one pass of
 /// nearest-neighbour queries; the same points for any number of threads, and in any order of the
 /// points where no two neighbours are at one distance. Throws Error{kInvalidOption};
-/// Error{kEmpty} if the box leaves nothing; Error{kInvalidInput} for coordinates beyond 1e15 and for
-/// points that span less than 1e-12.
+/// Error{kEmpty} if the box leaves nothing; Error{kInvalidInput} for coordinates beyond 1e15 and
+/// for points that span less than 1e-12.
 CleanResult clean(PointCloud cloud, const CleanOptions& options = {}, const Context& context = {});
 
 }  // namespace pointbake
