@@ -7,6 +7,7 @@
 
 #include "core/adjacency.h"
 #include "core/parallel.h"
+#include "core/segment.h"
 
 namespace pointbake {
 namespace {
@@ -16,13 +17,6 @@ constexpr double kLeastCos = 0.7071067811865476;
 // A border may recede so often from one place: what is one triangle wide all along is not eaten up.
 constexpr int kMostSteps = 6;
 constexpr std::size_t kGrain = 1U << 8;
-
-double distance_to_segment(Vec3d p, Vec3d a, Vec3d b) {
-    const Vec3d d = b - a;
-    const double length2 = squared_length(d);
-    const double t = length2 > 0.0 ? std::clamp(dot(p - a, d) / length2, 0.0, 1.0) : 0.0;
-    return length(p - (a + d * t));
-}
 
 class Trimmer {
  public:
@@ -93,7 +87,8 @@ class Trimmer {
     void offer(Index v) {
         const Index p = before_[v], n = next_[v];
         if (n == kInvalidIndex) return;
-        const double depth = distance_to_segment(points_[v], points_[p], points_[n]);
+        const double depth =
+            std::sqrt(squared_distance_to_segment(points_[v], points_[p], points_[n]));
         if (depth > static_cast<double>(spacing_[v])) offers_.push({depth / spacing_[v], v, p, n});
     }
 

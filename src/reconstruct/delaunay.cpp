@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/message.h"
 #include "core/parallel.h"
 #include "reconstruct/predicates.h"
 #include "reconstruct/tetrahedra.h"
@@ -24,6 +25,8 @@ constexpr std::size_t kCellsPerPoint = 8;
 constexpr std::size_t kGrain = 1U << 14;
 // Cavities with more facets are rare, and too large for a table of all pairs of vertices.
 constexpr std::size_t kTableFacets = 1U << 10;
+// Facets are numbered, four to a cell.
+constexpr std::size_t kMostCells = kInvalidIndex / 4;
 // The vertex of all cells outside the convex hull.
 constexpr Index kInfinite = kInvalidIndex;
 
@@ -81,6 +84,10 @@ class Triangulator {
     enum State : std::uint8_t { kUnseen, kInCavity, kOutside };
 
     Index add_cell(const std::array<Index, 4>& vertices) {
+        if (cells_.size() == kMostCells)
+            fail(ErrorCode::kLimit,
+                 "the triangulation of {} points needs more than {} tetrahedra: --subsample them",
+                 points_.size(), kMostCells);
         cells_.push_back({vertices, {}});
         states_.push_back(kUnseen);
         return static_cast<Index>(cells_.size() - 1);

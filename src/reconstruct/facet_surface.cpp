@@ -305,6 +305,7 @@ FacetSurface boundary_of(const Tetrahedra& tets, std::vector<std::uint8_t>& insi
     std::vector<Index> first_of(tets.cells.size());  // facet of the surface, if the cell has one
     for (std::size_t t = surface.facets.size(); t-- > 0;)
         first_of[surface.facets[t] / 4] = static_cast<Index>(t);
+    // The facets of a cell follow one another.
     const auto number_of = [&](HalfFacet facet) {
         Index t = first_of[facet / 4];
         while (surface.facets[t] != facet) ++t;

@@ -4,7 +4,6 @@
 #include <numeric>
 #include <tuple>
 
-#include "core/message.h"
 #include "core/morton.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
@@ -24,7 +23,6 @@ constexpr std::array<Vec3d, 20> kFarDirections{
 // Far enough that the sphere looks flat from the points, near enough for good numbers.
 constexpr double kFarRadius = 10.0;
 constexpr std::size_t kGrain = 1U << 14;
-constexpr std::size_t kMostCells = kInvalidIndex / 4;  // whose facets have numbers
 constexpr unsigned kMortonBits = 21;
 
 void build_stars(Tetrahedra& tets) {
@@ -104,9 +102,6 @@ Tetrahedra tetrahedralize(std::span<const Vec3d> points, const Context& context)
     const double radius = kFarRadius * 0.5 * box.diagonal();
     for (const Vec3d& d : kFarDirections) tets.points.push_back(box.center() + d * radius);
     Delaunay simplices = delaunay(tets.points, context);
-    if (simplices.cells.size() > kMostCells)
-        fail(ErrorCode::kLimit, "the triangulation of {} points has {} tetrahedra: at most {} fit",
-             points.size(), simplices.cells.size(), kMostCells);
     tets.cells = std::move(simplices.cells);
     tets.neighbors = std::move(simplices.neighbors);
     build_stars(tets);

@@ -3,18 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/segment.h"
+
 namespace pointbake {
-namespace {
-
-double squared_distance_to_segment(Vec3d p, Vec3d a, Vec3d b) {
-    const Vec3d along = b - a;
-    const double length2 = squared_length(along);
-    const double t = length2 > 0.0 ? std::clamp(dot(p - a, along) / length2, 0.0, 1.0) : 0.0;
-    return squared_length(p - (a + along * t));
-}
-
-}  // namespace
-
 BorderTrace::BorderTrace(const Surface& surface)
     : first_places(surface.positions.size(), kInvalidIndex) {
     std::vector<EdgeUse> edges;
