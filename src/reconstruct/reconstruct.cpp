@@ -373,7 +373,7 @@ void validate(const ReconstructOptions& options) {
              to_word(options.method), to_word(options.surface));
     if (!is_available(options.method))
         fail(ErrorCode::kInvalidOption,
-             "method '{}' needs a triangulation with CGAL's predicates, and this program is built "
+             "method '{}' needs CGAL's predicates, and this program is built "
              "without it: use "
              "implicit or auto, or build with -DPOINTBAKE_CGAL=ON",
              to_word(options.method));
