@@ -53,8 +53,8 @@ std::string surface_line(const RunReport& r) {
     if (found.num_holes_filled > 0)
         line += fmt::format("; {} filled", counted(found.num_holes_filled, "hole"));
     if (found.num_thinned > kManyThinned * static_cast<double>(num_points(r)))
-        line += fmt::format("; {} too near to others to be vertices as well",
-                            counted(found.num_thinned, "point"));
+        line += fmt::format("; its shape needs {} of {} points as vertices",
+                            num_points(r) - found.num_thinned, num_points(r));
     return line;
 }
 

@@ -1,6 +1,7 @@
 // Stage 3: points become a dense triangle mesh, over (a subset of) them or between them.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,10 +24,20 @@ struct EnumWords<Method> {
                                                  "implicit"};
 };
 
+enum class Thin { kAuto, kOff };
+template <>
+struct EnumWords<Thin> {
+    static constexpr std::string_view words[] = {"auto", "off"};
+};
+
 struct ReconstructOptions {
     Surface surface = Surface::kAuto;
     Method method = Method::kAuto;
+    Thin thin = Thin::kAuto;
     std::optional<Length> fill_holes = {};
+    /// Farthest that thinning may take the surface from a point, in cloud units. No option of its
+    /// own: convert() takes a share of the geometry bound.
+    double most_thinning = HUGE_VAL;
     template <class Field>
     static void describe(Field&& field) {
         field("surface", &ReconstructOptions::surface,
@@ -35,6 +46,9 @@ struct ReconstructOptions {
             "method", &ReconstructOptions::method,
             "how it is found: cocone (open), tight-cocone (watertight), robust-cocone (watertight, "
             "around the noise), implicit (open or watertight, between the points), or auto");
+        field("thin", &ReconstructOptions::thin,
+              "which points become vertices of the dense mesh: auto (fewer where the surface "
+              "bends little; it stays within 0.02 spacings) or off (all of them)");
         field(
             "fill-holes", &ReconstructOptions::fill_holes,
             "open surfaces: fill holes of at most this diameter, in the file's unit, as 2mm or as "
@@ -52,7 +66,7 @@ struct ReconstructReport {
     Index num_poor = 0;                ///< points without a good umbrella
     Index num_conflicts = 0;           ///< tetrahedra that got both labels
     Index num_left_out = 0;            ///< points that Robust Cocone finds inside the noise
-    Index num_thinned = 0;             ///< points too near to others to be vertices as well
+    Index num_thinned = 0;             ///< points that the shape does not need as vertices
     Index num_unused = 0;              ///< points that are no vertex of the surface, thinned or not
     Index num_turned_pieces = 0;       ///< of an open surface, by sensors or the file's normals
     Index num_holes_filled = 0;        ///< borders closed of an open surface

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "attributes/local_quadric.h"
 #include "core/hash.h"
+#include "core/local_quadric.h"
 #include "core/median.h"
 #include "core/message.h"
 #include "core/noise.h"

@@ -5,10 +5,10 @@
 #include <array>
 
 #include "attributes/spacing.h"
-#include "attributes/symmetric_eigen.h"
 #include "core/kdtree.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "core/symmetric_eigen.h"
 #include "pointbake/attributes.h"
 
 namespace pointbake {

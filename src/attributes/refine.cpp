@@ -1,12 +1,14 @@
-// Orientation by the surface's outward side; areas and tangent axes from the triangles around a
-// point: neighbours that are adjacent, where the k nearest ones fill a round ball and say nothing
-// about the spacing along and across scan lines.
+// Orientation by the surface's outward side; then areas and tangent axes from each point's cell among
+// its neighbours, as the k nearest ones fill a round ball and say nothing about the spacing along and
+// across scan lines.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "attributes/spacing.h"
 #include "attributes/spanning_tree.h"
 #include "attributes/surface_ring.h"
+#include "attributes/tangent_cell.h"
 #include "core/bvh.h"
 #include "core/kdtree.h"
 #include "core/kernel.h"
@@ -19,36 +21,28 @@ namespace {
 
 constexpr std::size_t kGrain = 2048;  // points per chunk: about a millisecond
 
-// Axes are filled only where at least half the points have a ring more stretched than this. Rings
+// Axes are filled only where at least half the points have a cell more stretched than this. Cells
 // of random points reach it by chance, but not half of them.
-constexpr double kStretchedRing = 2.0;
-constexpr double kMostStretched = 6.0;  // longer ellipses than that say more than a ring can know
+constexpr double kStretchedCell = 2.0;
+constexpr double kMostStretched = 6.0;  // longer ellipses than that say more than a cell can know
 
 /// The direction that is outward at each point; zero = not told.
 using Sides = std::vector<Vec3f>;
 
 Vec3f direction(Vec3d v) { return vec_cast<float>(normalized(v)); }
 
-/// The rings of the points that are vertices; of the others, which vertex is nearest.
-struct Vertices {
-    std::vector<double> areas;     ///< per point, 0 = no vertex
-    Sides sides;                   ///< sums of the triangles' normals
-    std::vector<Neighbor> stands;  ///< nearest vertex of points that are none
-};
-
-Vertices find_vertices(const PointCloud& cloud, const SurfaceRings& rings, const Context& context) {
-    Vertices out{std::vector<double>(cloud.size()), Sides(cloud.size()),
-                 std::vector<Neighbor>(cloud.size())};
+/// The side of each vertex is that of its triangles; points that are no vertices take the side of
+/// the nearest one.
+Sides sides_of_vertices(const PointCloud& cloud, const SurfaceRings& rings,
+                        const Context& context) {
+    Sides sides(cloud.size());
     parallel_for(context, cloud.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Ring ring = rings.of(static_cast<Index>(i));
-            out.areas[i] = ring.area;
-            out.sides[i] = direction(ring.outward);
-        }
+        for (std::size_t i = begin; i < end; ++i)
+            sides[i] = direction(rings.outward(static_cast<Index>(i)));
     });
     std::vector<Index> with, without;
-    for (Index i = 0; i < cloud.size(); ++i) (out.areas[i] > 0.0 ? with : without).push_back(i);
-    if (with.empty() || without.empty()) return out;
+    for (Index i = 0; i < cloud.size(); ++i) (sides[i] != Vec3f{} ? with : without).push_back(i);
+    if (with.empty() || without.empty()) return sides;
     std::vector<Vec3d> positions;
     positions.reserve(with.size());
     for (const Index i : with) positions.push_back(cloud.positions[i]);
@@ -57,42 +51,16 @@ Vertices find_vertices(const PointCloud& cloud, const SurfaceRings& rings, const
         for (std::size_t k = begin; k < end; ++k) {
             Neighbor nearest;
             tree.nearest(cloud.positions[without[k]], std::span(&nearest, 1));
-            nearest.index = with[nearest.index];
-            out.stands[without[k]] = nearest;
+            sides[without[k]] = sides[with[nearest.index]];
         }
     });
-    return out;
+    return sides;
 }
 
 void set_area(PointCloud& cloud, std::size_t i, double area) {
     const bool is_estimated = cloud.radii[i] == equivalent_spacing(cloud.areas[i]);
     cloud.areas[i] = static_cast<float>(area);
     if (is_estimated) cloud.radii[i] = equivalent_spacing(cloud.areas[i]);
-}
-
-/// A vertex shares its ring evenly with the points within a spacing that it stands for.
-void share_areas_in_place(PointCloud& cloud, const Vertices& vertices) {
-    const auto is_near = [&](std::size_t i) {
-        const Neighbor& stand = vertices.stands[i];
-        return stand.index != kInvalidIndex &&
-               stand.squared_distance < static_cast<double>(cloud.areas[i]);
-    };
-    std::vector<Index> guest_of(cloud.size(), kInvalidIndex), count(cloud.size(), 1);
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-        if (is_near(i)) ++count[guest_of[i] = vertices.stands[i].index];
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-        const std::size_t host = guest_of[i] == kInvalidIndex ? i : guest_of[i];
-        if (vertices.areas[host] > 0.0) set_area(cloud, i, vertices.areas[host] / count[host]);
-    }
-}
-
-/// Points that are no vertices take the side of the nearest one.
-Sides sides_of_all(const Vertices& vertices) {
-    Sides sides = vertices.sides;
-    for (std::size_t i = 0; i < sides.size(); ++i)
-        if (vertices.stands[i].index != kInvalidIndex)
-            sides[i] = vertices.sides[vertices.stands[i].index];
-    return sides;
 }
 
 /// For a surface that does not come from the cloud: the normal of the closest triangle.
@@ -143,49 +111,48 @@ struct Stretch {
     Vec3d u, v;          ///< orthonormal, in the tangent plane
 };
 
-/// Second moments of the ring in the tangent plane; their square roots are as the spacings.
-Stretch stretch_of(const SymmetricMatrix& m, Vec3d normal) {
-    const Vec3d helper = std::fabs(normal.x) < 0.5 ? Vec3d{1.0, 0.0, 0.0} : Vec3d{0.0, 1.0, 0.0};
-    const Vec3d e1 = normalized(cross(normal, helper)), e2 = cross(normal, e1);
-    const auto moment = [&](Vec3d a, Vec3d b) {
-        return a.x * (m.xx * b.x + m.xy * b.y + m.xz * b.z) +
-               a.y * (m.xy * b.x + m.yy * b.y + m.yz * b.z) +
-               a.z * (m.xz * b.x + m.yz * b.y + m.zz * b.z);
-    };
-    const double a = moment(e1, e1), b = moment(e1, e2), c = moment(e2, e2);
+/// Square roots of a cell's second moments are as the spacings.
+Stretch stretch_of(const TangentCell& cell) {
+    const double a = cell.uu, b = cell.uv, c = cell.vv;
     const double mean = 0.5 * (a + c), half = 0.5 * (a - c);
     const double r = std::sqrt(half * half + b * b);
-    if (!(r > 0.0)) return {1.0, e1, e2};
+    if (!(r > 0.0)) return {1.0, cell.u, cell.v};
     const Vec2d axis = half >= 0.0 ? Vec2d{half + r, b} : Vec2d{b, r - half};
     const Vec2d unit = axis / length(axis);
     const double largest = mean + r, smallest = mean - r;
     const double ratio = smallest * kMostStretched * kMostStretched > largest
                              ? std::sqrt(largest / smallest)
                              : kMostStretched;
-    return {ratio, e1 * unit.x + e2 * unit.y, e2 * unit.x - e1 * unit.y};
+    return {ratio, cell.u * unit.x + cell.v * unit.y, cell.v * unit.x - cell.u * unit.y};
 }
 
-/// Fills the axes if the points are clearly denser one way than the other.
-void fill_axes_in_place(PointCloud& cloud, const SurfaceRings& rings, const Context& context) {
+/// Areas of all points; axes, if the points are clearly denser one way than the other.
+void measure_cells_in_place(PointCloud& cloud, const Context& context) {
+    const KdTree tree(cloud.positions);
+    std::vector<double> areas(cloud.size());
     std::vector<TangentAxes> axes(cloud.size());
     const auto measure = [&](std::size_t begin, std::size_t end) {
+        std::array<Neighbor, kCellNeighbors> buffer;
         std::size_t num_stretched = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d normal = vec_cast<double>(cloud.normals[i]);
-            const Ring ring = rings.of(static_cast<Index>(i));
-            const bool is_known = ring.area > 0.0 && squared_length(normal) > 0.0;
-            const Stretch s = stretch_of(is_known ? ring.moments : SymmetricMatrix{}, normal);
-            const auto area = static_cast<double>(cloud.areas[i]);
-            axes[i].u = vec_cast<float>(s.u * (double{kSplatSigma} * std::sqrt(area * s.ratio)));
-            axes[i].v = vec_cast<float>(s.v * (double{kSplatSigma} * std::sqrt(area / s.ratio)));
-            num_stretched += s.ratio > kStretchedRing ? 1U : 0U;
+            const TangentCell cell = tangent_cell(cloud, static_cast<Index>(i),
+                                                  tree.nearest(cloud.positions[i], buffer));
+            areas[i] = cell.area;
+            const Stretch s = stretch_of(cell);
+            axes[i].u =
+                vec_cast<float>(s.u * (double{kSplatSigma} * std::sqrt(cell.area * s.ratio)));
+            axes[i].v =
+                vec_cast<float>(s.v * (double{kSplatSigma} * std::sqrt(cell.area / s.ratio)));
+            num_stretched += s.ratio > kStretchedCell ? 1U : 0U;
         }
         return num_stretched;
     };
     const auto add = [](std::size_t a, std::size_t b) { return a + b; };
     const std::size_t num_stretched =
         parallel_reduce(context, cloud.size(), kGrain, std::size_t{0}, measure, add);
-    if (2 * num_stretched >= cloud.size()) cloud.axes = std::move(axes);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+        if (areas[i] > 0.0) set_area(cloud, i, areas[i]);
+    if (cloud.axes.empty() && 2 * num_stretched >= cloud.size()) cloud.axes = std::move(axes);
 }
 
 OrientCounts refine_by_surface_in_place(PointCloud& cloud, const DenseMesh& surface,
@@ -194,10 +161,9 @@ OrientCounts refine_by_surface_in_place(PointCloud& cloud, const DenseMesh& surf
         return orient_in_place(cloud.normals,
                                sides_of_closest_triangles(cloud, surface.mesh, context), context);
     const SurfaceRings rings(surface, cloud.size());
-    const Vertices vertices = find_vertices(cloud, rings, context);
-    share_areas_in_place(cloud, vertices);
-    const OrientCounts counts = orient_in_place(cloud.normals, sides_of_all(vertices), context);
-    if (cloud.axes.empty()) fill_axes_in_place(cloud, rings, context);
+    const OrientCounts counts =
+        orient_in_place(cloud.normals, sides_of_vertices(cloud, rings, context), context);
+    measure_cells_in_place(cloud, context);
     return counts;
 }
 

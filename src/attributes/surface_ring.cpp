@@ -36,22 +36,14 @@ SurfaceRings::SurfaceRings(const DenseMesh& surface, std::size_t num_points)
     around_ = vertex_triangles(num_points, triangles_);
 }
 
-Ring SurfaceRings::of(Index point) const {
-    Ring ring;
+Vec3d SurfaceRings::outward(Index point) const {
+    Vec3d sum;
     for (const Index t : around_.of(point)) {
         const Triangle& corners = mesh_.triangles[t];
-        const std::size_t k =
-            triangles_[t][0] == point ? 0U : (triangles_[t][1] == point ? 1U : 2U);
-        const Vec3d p = mesh_.positions[corners[k]];
-        const Vec3d a = mesh_.positions[corners[(k + 1) % 3]] - p;
-        const Vec3d b = mesh_.positions[corners[(k + 2) % 3]] - p;
-        const Vec3d normal = cross(a, b);
-        ring.area += length(normal) / 6.0;
-        ring.outward += normal;
-        ring.moments.add(a, 1.0);
-        ring.moments.add(b, 1.0);
+        const Vec3d a = mesh_.positions[corners[0]];
+        sum += cross(mesh_.positions[corners[1]] - a, mesh_.positions[corners[2]] - a);
     }
-    return ring;
+    return sum;
 }
 
 }  // namespace pointbake

@@ -3,18 +3,10 @@
 
 #include <vector>
 
-#include "attributes/symmetric_eigen.h"
 #include "core/adjacency.h"
 #include "pointbake/types.h"
 
 namespace pointbake {
-
-/// What the triangles around a point say about it.
-struct Ring {
-    double area = 0.0;  ///< a third of the triangles' areas
-    Vec3d outward;      ///< sum of the triangles' normals, weighted by area; zero = no triangle
-    SymmetricMatrix moments;  ///< sum of q q^T over the triangles' other corners q, relative to p
-};
 
 /// Several vertices may lie over one point: their triangles count together.
 class SurfaceRings {
@@ -23,7 +15,8 @@ class SurfaceRings {
     /// per vertex.
     SurfaceRings(const DenseMesh& surface, std::size_t num_points);
 
-    Ring of(Index point) const;
+    /// Sum of the triangles' normals, weighted by area; zero = no triangle.
+    Vec3d outward(Index point) const;
 
  private:
     const Mesh& mesh_;

@@ -96,6 +96,13 @@ struct KdTree::Impl {
     explicit Impl(std::span<const Vec3d> positions)
         : points{positions},
           tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize)) {}
+
+    bool has_other(Vec3d p, Index own, double squared_distance) const {
+        AnyOther found(own, squared_distance * kBoundSlack + std::numeric_limits<double>::min());
+        const double coordinates[3] = {p.x, p.y, p.z};
+        tree.findNeighbors(found, coordinates, nanoflann::SearchParams());
+        return found.is_found();
+    }
 };
 
 KdTree::KdTree(std::span<const Vec3d> positions) : impl_(std::make_unique<Impl>(positions)) {}
@@ -111,11 +118,11 @@ std::span<Neighbor> KdTree::nearest(Vec3d query, std::span<Neighbor> out) const 
 }
 
 bool KdTree::has_nearer(Index point, double squared_distance) const {
-    const Vec3d& p = impl_->points.positions[point];
-    AnyOther found(point, squared_distance * kBoundSlack + std::numeric_limits<double>::min());
-    const double coordinates[3] = {p.x, p.y, p.z};
-    impl_->tree.findNeighbors(found, coordinates, nanoflann::SearchParams());
-    return found.is_found();
+    return impl_->has_other(impl_->points.positions[point], point, squared_distance);
+}
+
+bool KdTree::has_within(Vec3d place, double squared_distance) const {
+    return impl_->has_other(place, kInvalidIndex, squared_distance);
 }
 
 }  // namespace pointbake

@@ -29,6 +29,9 @@ class KdTree {
     /// Whether another point than this one is nearer to it than that, or in the same place.
     bool has_nearer(Index point, double squared_distance) const;
 
+    /// Whether any point is nearer to the place than that, give or take the rounding.
+    bool has_within(Vec3d place, double squared_distance) const;
+
  private:
     struct Impl;
     std::unique_ptr<Impl> impl_;

@@ -41,6 +41,8 @@ constexpr double kMaxLost = 0.05;
 // Points nearer to each other than this share of the spacing do not both become vertices: a
 // multiple of the noise, from duplicates up to half a spacing.
 constexpr double kNearestPerNoise = 25.0, kLeastNearest = 0.02, kMostNearest = 0.5;
+// What smooth parts of the surface may lose by thinning, in spacings; or the noise, if that is more.
+constexpr double kTolerance = 0.02;
 
 bool is_closing(Method method) {
     return method == Method::kTightCocone || method == Method::kRobustCocone;
@@ -193,9 +195,11 @@ class Stage {
  private:
     // Of points that are not too near to each other.
     Tetrahedra triangulate(const std::vector<Vec3d>& points) {
-        const double nearest =
-            std::clamp(kNearestPerNoise * cloud_.noise, kLeastNearest, kMostNearest);
-        const std::vector<Index> kept = thin(points, nearest, context_);
+        const ThinRule rule{
+            std::clamp(kNearestPerNoise * cloud_.noise, kLeastNearest, kMostNearest),
+            options_.thin == Thin::kOff ? 0.0 : std::max(cloud_.noise, kTolerance),
+            options_.most_thinning};
+        const std::vector<Index> kept = thin(points, rule, context_);
         report_.num_thinned = static_cast<Index>(points.size() - kept.size());
         std::vector<Vec3d> some;
         some.reserve(kept.size());
@@ -373,8 +377,7 @@ void validate(const ReconstructOptions& options) {
              to_word(options.method), to_word(options.surface));
     if (!is_available(options.method))
         fail(ErrorCode::kInvalidOption,
-             "method '{}' needs CGAL's predicates, and this program is built "
-             "without it: use "
+             "method '{}' needs CGAL's predicates, and this program is built without it: use "
              "implicit or auto, or build with -DPOINTBAKE_CGAL=ON",
              to_word(options.method));
     const auto& size = options.fill_holes;

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
-#include "core/hash.h"
 #include "core/kdtree.h"
 #include "core/parallel.h"
-#include "core/parallel_sort.h"
+#include "reconstruct/rivals.h"
 #include "reconstruct/tetrahedra.h"
+#include "reconstruct/thin_smooth.h"
 
 namespace pointbake {
 namespace {
@@ -18,14 +17,6 @@ constexpr double kPi = 3.141592653589793;
 constexpr std::size_t kNeighbors = 12;  // all that is nearer than 1.9 spacings is among them
 constexpr std::size_t kGrain = 1024;
 
-struct Ranked {
-    std::uint64_t hash;
-    Index point;
-    friend bool operator<(const Ranked& a, const Ranked& b) {
-        return a.hash != b.hash ? a.hash < b.hash : a.point < b.point;
-    }
-};
-
 class Thinner {
  public:
     Thinner(std::span<const Vec3d> points, double share, const Context& context)
@@ -33,18 +24,10 @@ class Thinner {
 
     std::vector<Index> run() {
         find_reach();
-        find_rivals();
-        std::vector<Ranked> order;
-        for (Index i = 0; i < points_.size(); ++i)
-            if (!rivals_of(i).empty()) order.push_back({hash_of(points_[i]), i});
-        parallel_sort(context_, order);
-        std::vector<std::uint8_t> is_kept(points_.size(), 1);
-        for (const Ranked& r : order) is_kept[r.point] = 0;
-        for (const Ranked& r : order) {
-            const auto rivals = rivals_of(r.point);
-            is_kept[r.point] = std::none_of(rivals.begin(), rivals.end(),
-                                            [&](Index j) { return is_kept[j] != 0; });
-        }
+        const Rivals rivals = gather_rivals(
+            points_.size(), [&](Index i, std::vector<Index>& list) { append_rivals(i, list); },
+            context_);
+        const std::vector<std::uint8_t> is_kept = choose_among_rivals(points_, rivals, context_);
         std::vector<Index> kept;
         for (Index i = 0; i < is_kept.size(); ++i)
             if (is_kept[i] != 0) kept.push_back(i);
@@ -86,30 +69,13 @@ class Thinner {
         return kSlack * share_ * share_ * kPi * farthest2 / static_cast<double>(kNeighbors);
     }
 
-    // Per point those that are too near for both to stay. Few points have any.
-    void find_rivals() {
-        const std::size_t num_chunks = (points_.size() + kGrain - 1) / kGrain;
-        std::vector<std::vector<Index>> found_in(num_chunks);
-        rivals_begin_.assign(points_.size() + 1, 0);
-        parallel_for(context_, points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-            Buffer buffer;
-            std::vector<Index>& rivals = found_in[begin / kGrain];
-            for (std::size_t i = begin; i < end; ++i) {
-                if (may_have_rivals_[i] == 0) continue;
-                const std::size_t before = rivals.size();
-                for (const Neighbor& n : tree_.nearest(points_[i], buffer))
-                    if (n.index != i && n.squared_distance < std::min(reach2_[i], reach2_[n.index]))
-                        rivals.push_back(n.index);
-                rivals_begin_[i + 1] = static_cast<Index>(rivals.size() - before);
-            }
-        });
-        std::partial_sum(rivals_begin_.begin(), rivals_begin_.end(), rivals_begin_.begin());
-        for (const auto& part : found_in) rivals_.insert(rivals_.end(), part.begin(), part.end());
-    }
-
-    std::span<const Index> rivals_of(Index point) const {
-        return std::span(rivals_).subspan(rivals_begin_[point],
-                                          rivals_begin_[point + 1] - rivals_begin_[point]);
+    // Few points have any.
+    void append_rivals(Index i, std::vector<Index>& list) const {
+        if (may_have_rivals_[i] == 0) return;
+        Buffer buffer;
+        for (const Neighbor& n : tree_.nearest(points_[i], buffer))
+            if (n.index != i && n.squared_distance < std::min(reach2_[i], reach2_[n.index]))
+                list.push_back(n.index);
     }
 
     std::span<const Vec3d> points_;
@@ -118,17 +84,23 @@ class Thinner {
     KdTree tree_;
     std::vector<double> reach2_;
     std::vector<std::uint8_t> may_have_rivals_;
-    std::vector<Index> rivals_begin_, rivals_;
 };
 
 }  // namespace
 
-std::vector<Index> thin(std::span<const Vec3d> points, double share, const Context& context) {
+std::vector<Index> thin(std::span<const Vec3d> points, ThinRule rule, const Context& context) {
     // Searches one after the other walk through the same part of the tree.
     const std::vector<Index> order = order_by_place(points, context);
     std::vector<Vec3d> sorted(points.size());
     for (std::size_t i = 0; i < sorted.size(); ++i) sorted[i] = points[order[i]];
-    std::vector<Index> kept = Thinner(sorted, share, context).run();
+    std::vector<Index> kept = Thinner(sorted, rule.nearest, context).run();
+    if (rule.tolerance > 0.0) {
+        for (std::size_t k = 0; k < kept.size(); ++k) sorted[k] = sorted[kept[k]];
+        sorted.resize(kept.size());
+        std::vector<Index> enough = thin_smooth(sorted, rule.tolerance, rule.most_length, context);
+        for (Index& i : enough) i = kept[i];
+        kept = std::move(enough);
+    }
     for (Index& i : kept) i = order[i];
     std::sort(kept.begin(), kept.end());
     return kept;

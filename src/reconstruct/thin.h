@@ -1,6 +1,7 @@
 // Which points a surface is made of.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -9,10 +10,17 @@
 
 namespace pointbake {
 
-/// Ids, ascending, of points no two of which are nearer to each other than `share` of the smaller
-/// of their spacings (those of squares as dense as the 12 nearest neighbours): noise between nearer
-/// ones folds the surface. Greedy in the order of a hash of the coordinates [Cook86], so that the
-/// order of the points does not matter. share <= 1.9. O(n log n).
-std::vector<Index> thin(std::span<const Vec3d> points, double share, const Context& context);
+/// In spacings, those of squares as dense as the nearest neighbours, and as a length.
+struct ThinRule {
+    double nearest = 0.0;           ///< no two points stay that are nearer to each other; <= 1.9
+    double tolerance = 0.0;         ///< what smooth parts may lose; 0 = all points stay there
+    double most_length = HUGE_VAL;  ///< they never lose more than this
+};
+
+/// Ids, ascending, of points no two of which are nearer to each other than `nearest` of the smaller
+/// of their spacings, as noise between nearer ones folds the surface; of these, where the surface
+/// is smooth, those that tell its shape (thin_smooth.h). The order of the points does not matter.
+/// O(n log n).
+std::vector<Index> thin(std::span<const Vec3d> points, ThinRule rule, const Context& context);
 
 }  // namespace pointbake

@@ -59,7 +59,7 @@ TEST(RefineAttributes, TurnsGivenNormalsThatPointInward) {
 TEST(RefineAttributes, AreasSumToTheSurfaces) {
     const Model model = make_model(shapes::torus_mesh(30, 50));
     const PointCloud result = refine_attributes(model.cloud, model.surface).cloud;
-    EXPECT_NEAR(sum_of_areas(result), area(model.surface.mesh), 1e-5);
+    EXPECT_NEAR(sum_of_areas(result), area(model.surface.mesh), 3e-3 * area(model.surface.mesh));
     for (std::size_t i = 0; i < result.size(); ++i)
         ASSERT_EQ(result.radii[i], std::sqrt(result.areas[i]));
 }
@@ -96,23 +96,12 @@ TEST(RefineAttributes, PointsOffTheSurfaceTakeTheNearestSign) {
     for (std::size_t i = num_vertices; i < result.size(); ++i) {
         ASSERT_GT(dot(result.normals[i], vec_cast<float>(result.positions[i])), 0.0F);
     }
-    // Strays near a vertex share its area: all together still have the surface's.
+    // Strays share the surface with their neighbours: all together still have its area.
     const double all = std::accumulate(result.areas.begin(), result.areas.end(), 0.0);
     const PointCloud bare =
         refine_attributes(make_model(shapes::sphere_mesh(8)).cloud, model.surface).cloud;
     const double surface = std::accumulate(bare.areas.begin(), bare.areas.end(), 0.0);
-    EXPECT_NEAR(all, surface, 1e-3 * surface);
-}
-
-TEST(RefineAttributes, PointsFarOffTheSurfaceKeepTheirArea) {
-    Model model = make_model(shapes::sphere_mesh(8));
-    const std::size_t num_vertices = model.cloud.size();
-    for (const Vec3d p : shapes::sphere_cloud(100, 0.0, 3.0).positions)
-        model.cloud.positions.push_back(p);
-    const PointCloud first = estimate_attributes(model.cloud).cloud;
-    const PointCloud result = refine_attributes(first, model.surface).cloud;
-    for (std::size_t i = num_vertices; i < result.size(); ++i)
-        ASSERT_EQ(result.areas[i], first.areas[i]);
+    EXPECT_NEAR(all, surface, 0.02 * surface);
 }
 
 TEST(RefineAttributes, UnknownNormalsBecomeTheSurfaces) {

@@ -30,7 +30,7 @@ double spacing_at(const std::vector<Vec3d>& points, Vec3d p) {
 TEST(Thin, KeepsNoTwoThatAreTooNearAndDropsNoMore) {
     constexpr double kShare = 0.7;
     const std::vector<Vec3d> points = random_points(2000);
-    const std::vector<Index> kept = thin(points, kShare, {});
+    const std::vector<Index> kept = thin(points, {.nearest = kShare}, {});
     EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
     std::vector<double> spacing;
     for (const Vec3d p : points) spacing.push_back(spacing_at(points, p));
@@ -48,7 +48,7 @@ TEST(Thin, KeepsNoTwoThatAreTooNearAndDropsNoMore) {
 TEST(Thin, KeepsOneOfEachPairOfNearDuplicates) {
     std::vector<Vec3d> points = shapes::sphere_cloud(1000).positions;
     for (std::size_t i = 0; i < 1000; ++i) points.push_back(points[i] * (1.0 + 1e-5));
-    EXPECT_EQ(thin(points, 0.02, {}).size(), 1000U);
+    EXPECT_EQ(thin(points, {.nearest = 0.02}, {}).size(), 1000U);
 }
 
 TEST(Thin, FollowsTheDensity) {
@@ -59,7 +59,7 @@ TEST(Thin, FollowsTheDensity) {
     const auto in_sparse = [&](Index i) { return points[i].x > 0.5; };
     std::vector<Index> all(points.size());
     std::iota(all.begin(), all.end(), Index{0});
-    const std::vector<Index> kept = thin(points, 0.5, {});
+    const std::vector<Index> kept = thin(points, {.nearest = 0.5}, {});
     const auto share = [&](const std::vector<Index>& of) {
         return static_cast<double>(std::count_if(of.begin(), of.end(), in_sparse)) /
                static_cast<double>(of.size());
@@ -72,7 +72,7 @@ TEST(Thin, IsTheSameForAnyOrderAndNumberOfThreads) {
     std::vector<Vec3d> points = random_points(3000);
     const auto kept_places = [](const std::vector<Vec3d>& of, const Context& context) {
         std::vector<Vec3d> places;
-        for (Index i : thin(of, 0.5, context)) places.push_back(of[i]);
+        for (Index i : thin(of, {.nearest = 0.5}, context)) places.push_back(of[i]);
         std::sort(places.begin(), places.end(),
                   [](Vec3d a, Vec3d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
         return places;
@@ -84,9 +84,9 @@ TEST(Thin, IsTheSameForAnyOrderAndNumberOfThreads) {
 }
 
 TEST(Thin, TakesAHandfulOfPoints) {
-    EXPECT_EQ(thin(std::vector<Vec3d>{}, 0.5, {}).size(), 0U);
-    EXPECT_EQ(thin(std::vector<Vec3d>{{1, 2, 3}}, 0.5, {}).size(), 1U);
-    EXPECT_EQ(thin(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0.5, {}).size(), 3U);
+    EXPECT_EQ(thin(std::vector<Vec3d>{}, {.nearest = 0.5}, {}).size(), 0U);
+    EXPECT_EQ(thin(std::vector<Vec3d>{{1, 2, 3}}, {.nearest = 0.5}, {}).size(), 1U);
+    EXPECT_EQ(thin(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {.nearest = 0.5}, {}).size(), 3U);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "attributes/symmetric_eigen.h"
+#include "core/symmetric_eigen.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "attributes/local_quadric.h"
+#include "core/local_quadric.h"
 
 #include <cmath>
 
-#include "attributes/symmetric_eigen.h"
+#include "core/symmetric_eigen.h"
 
 namespace pointbake {
 namespace {

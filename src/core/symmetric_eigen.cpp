@@ -1,5 +1,5 @@
 // The cyclic Jacobi method [Golub13, 8.5]: nothing but + - * / and sqrt.
-#include "attributes/symmetric_eigen.h"
+#include "core/symmetric_eigen.h"
 
 #include <cmath>
 #include <limits>
