@@ -5,8 +5,7 @@
 namespace pointbake::cli {
 namespace {
 
-// What the stages take where nothing is asked for.
-constexpr Length kDefaultGeometryError = fraction(1e-3);
+// What the stage takes where nothing is asked for.
 constexpr double kDefaultTextureError = 4.0;
 
 std::string bound_text(double bound) {
@@ -130,18 +129,14 @@ std::string cleaning_plan(const Job& job, const ConvertInput& input, const Conte
     return "drop " + cleaning_text(report);
 }
 
-std::string bound_plan(const std::optional<Length>& error, double diagonal) {
-    const Length length = error.value_or(kDefaultGeometryError);
-    return fmt::format("no point farther than {:.4g}", length.in_units(diagonal));
-}
-
 std::string simplify_plan(const ConvertOptions& convert, double diagonal) {
     const SimplifyOptions& options = convert.simplify;
     if (options.keep_mesh || convert.texture.keep_uvs) return "kept as it is";
-    const bool has_bound = options.geometry_error || options.triangles == 0;
-    std::string text = has_bound ? bound_plan(options.geometry_error, diagonal) : "";
+    const std::optional<Length> bound = bound_of(options);
+    std::string text =
+        bound ? fmt::format("no point farther than {:.4g}", bound->in_units(diagonal)) : "";
     if (options.triangles == 0) return text;
-    return fmt::format("{}{}at most {}", text, has_bound ? ", " : "",
+    return fmt::format("{}{}at most {}", text, bound ? ", " : "",
                        counted(options.triangles, "triangle"));
 }
 

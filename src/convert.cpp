@@ -195,6 +195,17 @@ DenoiseOptions denoising_for(const ConvertInput& input, const ConvertOptions& op
     return out;
 }
 
+// Thinning takes a small share of the geometry bound.
+ReconstructOptions reconstruction_for(const ConvertOptions& options, const PointCloud& cloud) {
+    constexpr double kOfBound = 0.1;
+    ReconstructOptions out = options.reconstruct;
+    Box box;
+    for (const Vec3d& p : cloud.positions) box.extend(p);
+    if (const auto bound = bound_of(options.simplify))
+        out.most_thinning = kOfBound * bound->in_units(box.diagonal());
+    return out;
+}
+
 // Where the surface is given, what is asked for beside it would not be done.
 void check_given(const ConvertInput& input, const ConvertOptions& options) {
     const auto refuse = [&](std::string_view option) {
@@ -205,6 +216,7 @@ void check_given(const ConvertInput& input, const ConvertOptions& options) {
     if (asked.surface != Surface::kAuto && asked.surface != Surface::kGiven)
         refuse(fmt::format("--surface {}", to_word(asked.surface)));
     if (asked.method != Method::kAuto) refuse(fmt::format("--method {}", to_word(asked.method)));
+    if (asked.thin != Thin::kAuto) refuse(fmt::format("--thin {}", to_word(asked.thin)));
     if (asked.fill_holes) refuse("--fill-holes");
     if (options.denoise.denoise == Denoise::kOn) refuse("--denoise on");
     if (!input.mesh && (options.clean.crop || options.clean.subsample))
@@ -280,8 +292,9 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                     refine_attributes(std::move(result.cloud), {}, options.attributes, context)
                         .cloud;
             ReconstructResult surface =
-                is_given ? given_mesh(input)
-                         : reconstruct(result.cloud, options.reconstruct, context);
+                is_given
+                    ? given_mesh(input)
+                    : reconstruct(result.cloud, reconstruction_for(options, result.cloud), context);
             result.dense = std::move(surface.surface);
             result.report.reconstruct = surface.report;
             estimate_unsure_normals(result, surface.unsure_normals, options.attributes, context);

@@ -28,6 +28,10 @@ struct SimplifyOptions {
 /// Throws Error{kInvalidOption} for a bound that is no positive length.
 void validate(const SimplifyOptions& options);
 
+/// The bound that is asked for, or the default where it holds; none for a number of triangles
+/// alone and for meshes that are kept.
+std::optional<Length> bound_of(const SimplifyOptions& options);
+
 /// Distances in cloud units. "points to mesh" is measured at every kept point; "mesh to surface" at
 /// samples of the light mesh against the dense one, their spacing's slack added to the maximum.
 struct DistanceStats {

@@ -74,10 +74,6 @@ struct Frame {
     }
 };
 
-bool has_bound(const SimplifyOptions& options) {
-    return options.geometry_error || (options.triangles == 0 && !options.keep_mesh);
-}
-
 double diagonal_of_kept(const std::vector<Vec3d>& points, const std::vector<double>& distances,
                         double limit) {
     Box box;
@@ -91,11 +87,11 @@ double diagonal_of_kept(const std::vector<Vec3d>& points, const std::vector<doub
 // points those are: it shrinks until that agrees. `distances` are in the frame's units.
 double find_bound(const SimplifyOptions& options, const std::vector<Vec3d>& points,
                   const std::vector<double>& distances, double unit) {
-    if (!has_bound(options)) return HUGE_VAL;
-    const Length length = options.geometry_error.value_or(kDefaultBound);
-    double bound = length.in_units(diagonal_of_kept(points, distances, HUGE_VAL));
+    const std::optional<Length> length = bound_of(options);
+    if (!length) return HUGE_VAL;
+    double bound = length->in_units(diagonal_of_kept(points, distances, HUGE_VAL));
     for (;;) {
-        const double next = length.in_units(diagonal_of_kept(points, distances, bound / unit));
+        const double next = length->in_units(diagonal_of_kept(points, distances, bound / unit));
         if (!(next < bound)) return bound;
         bound = next;
     }
@@ -217,6 +213,12 @@ FitMesh make_light(Surface& surface, Attribution& attribution, const SimplifyOpt
 }
 
 }  // namespace
+
+std::optional<Length> bound_of(const SimplifyOptions& options) {
+    if (options.geometry_error || options.triangles > 0 || options.keep_mesh)
+        return options.geometry_error;
+    return kDefaultBound;
+}
 
 void validate(const SimplifyOptions& options) {
     if (options.geometry_error &&

@@ -124,13 +124,15 @@ struct TwoDensities {
 TEST(Density, DoesNotShapeTheMesh) {
     TwoDensities clouds;
     clouds.even = egg_points(40000);
-    std::uint64_t i = 0;
-    for (const Vec3d& p : egg_points(80000)) {
-        const bool is_dense = std::sin(6 * p.x) * std::sin(5 * p.y + 1) * std::sin(7 * p.z) > 0.0;
-        if (is_dense || hash64(i++) % 16 == 0) clouds.uneven.push_back(p);
-    }
-    // Each mesh keeps the bound at its own points.
-    clouds.expect_same_mesh("max", 2.0);
+    for (const int n : {80000, 5000})
+        for (const Vec3d& p : egg_points(n)) {
+            const bool is_dense =
+                std::sin(6 * p.x) * std::sin(5 * p.y + 1) * std::sin(7 * p.z) > 0.0;
+            if (is_dense == (n == 80000)) clouds.uneven.push_back(p);
+        }
+    // The bound holds at a mesh's own points; between sparse ones it is not known.
+    clouds.expect_same_mesh("max", 1.5);
+    clouds.expect_same_mesh("p99", 1.0);
 }
 
 // Dense where the paint is dark: edges of the paint are jumps in density, in the middle of faces as
