@@ -175,6 +175,7 @@ void append_defects(std::vector<std::string>& lines, const LoadReport& load) {
             lines.push_back(fmt::format("{:<13} {}{}", "defect", counted(count, noun), what));
     };
     append(load.num_non_finite, "row", " with NaN or infinite coordinates: dropped");
+    append(load.num_left_out, "row", " dropped by the reader: see the notes");
     append(load.num_merged, "row", " with the coordinates of another: merged");
     append(load.num_zero_normals, "normal", " of length zero: estimated");
     append(load.num_bad_faces, "face", " with bad or equal corners: dropped");

@@ -5,35 +5,37 @@
 #include <array>
 #include <string_view>
 
-#include "core/mapped_file.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/input_file.h"
 #include "io/mesh_vertices.h"
 #include "io/ply_header.h"
 #include "io/read_gltf.h"
 #include "io/read_obj.h"
+#include "io/read_pcd.h"
 #include "io/read_ply.h"
 
 namespace pointbake {
 namespace {
 
+using Bytes = std::span<const std::byte>;
+
 /// What a file is that is not read, if its first bytes tell.
 std::string_view kind_of(std::string_view text) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kKinds{{
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kKinds{{
         {"LASF", "a LAS or LAZ file"},
         {"ASTM-E57", "an E57 file"},
-        {"# .PCD", "a PCD file"},
-        {"VERSION .7", "a PCD file"},
-        {"\x1f\x8b", "compressed with gzip"},
         {"PK\x03\x04", "a zip archive"},
         {"\xef\xbb\xbf", "text that begins with a UTF-8 byte order mark; save it without"},
+        {"\xff\xfe", "text in UTF-16; save it as UTF-8"},
+        {"\xfe\xff", "text in UTF-16; save it as UTF-8"},
     }};
     for (const auto& [magic, kind] : kKinds)
         if (text.starts_with(magic)) return kind;
     return "of an unknown kind (it does not begin with 'ply')";
 }
 
-std::string_view first_bytes(std::span<const std::byte> bytes) {
+std::string_view first_bytes(Bytes bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 64)};
 }
 
@@ -45,28 +47,29 @@ bool is_gltf(std::string_view text) {
 
 }  // namespace
 
-LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions&,
+LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& options,
                       const Context& context) {
     check_cancelled(context);
     report_progress(context, "load", 0.0);
-    const MappedFile file(path);
-    const std::span<const std::byte> bytes = file.bytes();
+    const InputFile file(path, context);
+    const Bytes bytes = file.bytes();
     if (bytes.empty())
-        fail(ErrorCode::kInvalidInput, "{}: the file is empty; a PLY file is wanted",
-             path.string());
+        fail(ErrorCode::kInvalidInput, "{}: the file is empty; points are wanted", path.string());
+    static_cast<void>(options);
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
+    if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
         return vertices_as_points(read_gltf(bytes, path, context), path, context);
     if (is_obj(bytes)) return vertices_as_points(read_obj(bytes, path, context), path, context);
     fail(ErrorCode::kUnsupported,
-         "{}: is {}; points are read from PLY, and as vertices from OBJ, GLB and glTF",
+         "{}: is {}; points are read from PLY, PCD, and as vertices from OBJ, GLB and glTF",
          path.string(), kind_of(first_bytes(bytes)));
 }
 
 TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context) {
     check_cancelled(context);
-    const MappedFile file(path);
-    const std::span<const std::byte> bytes = file.bytes();
+    const InputFile file(path, context);
+    const Bytes bytes = file.bytes();
     if (bytes.empty())
         fail(ErrorCode::kInvalidInput, "{}: the file is empty; an OBJ, GLB, glTF or PLY is wanted",
              path.string());

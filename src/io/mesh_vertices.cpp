@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "io/order.h"
+#include "io/finish_cloud.h"
 
 namespace pointbake {
 namespace {
@@ -29,24 +29,19 @@ Mesh over_points(const Mesh& mesh, const PointCloud& cloud,
 
 LoadResult vertices_as_points(const TexturedMesh& model, const std::filesystem::path& path,
                               const Context& context) {
-    PointCloud vertices;
-    vertices.positions = model.mesh.positions;
-    vertices.colors = model.mesh.colors;
-    OrderedCloud ordered = order_cloud(std::move(vertices), context);
-    LoadResult result;
-    result.cloud = std::move(ordered.cloud);
-    result.mesh = over_points(model.mesh, result.cloud, ordered.point_of_row);
-    result.report.format = path.extension().string().substr(1) + " mesh";
-    result.report.num_rows = result.cloud.num_rows;
-    result.report.num_kept = result.cloud.size();
-    result.report.num_non_finite = result.cloud.dropped.size();
-    result.report.num_merged = result.cloud.merged.size();
+    PointRows vertices;
+    vertices.cloud.positions = model.mesh.positions;
+    vertices.cloud.colors = model.mesh.colors;
+    FinishedCloud finished = finish_cloud(
+        std::move(vertices), path.extension().string().substr(1) + " mesh", path.string(), context);
+    LoadResult& result = finished.result;
+    result.mesh = over_points(model.mesh, result.cloud, finished.point_of_row);
     result.report.num_bad_faces = model.mesh.triangles.size() - result.mesh->triangles.size();
     result.report.notes.emplace_back("the vertices of the mesh are the points");
     if (!model.images.empty())
         result.report.notes.emplace_back(
             "its textures are not read: make points of them with pointbake sample");
-    return result;
+    return std::move(result);
 }
 
 }  // namespace pointbake
