@@ -14,6 +14,8 @@
 #include "io/read_obj.h"
 #include "io/read_pcd.h"
 #include "io/read_ply.h"
+#include "io/read_ptx.h"
+#include "io/read_text.h"
 
 namespace pointbake {
 namespace {
@@ -39,6 +41,10 @@ std::string_view first_bytes(Bytes bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 64)};
 }
 
+std::string_view all_text(Bytes bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 bool is_gltf(std::string_view text) {
     if (text.starts_with("glTF")) return true;
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
@@ -55,14 +61,25 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
     const Bytes bytes = file.bytes();
     if (bytes.empty())
         fail(ErrorCode::kInvalidInput, "{}: the file is empty; points are wanted", path.string());
-    static_cast<void>(options);
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
     if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
         return vertices_as_points(read_gltf(bytes, path, context), path, context);
     if (is_obj(bytes)) return vertices_as_points(read_obj(bytes, path, context), path, context);
+    const std::string_view text = all_text(bytes);
+    // A PTX whose first header is damaged must not pass for a table.
+    if (is_ptx(text) || kind_extension(path) == ".ptx") return read_ptx(text, path, context);
+    if (const std::optional<TextLayout> layout = find_text_layout(text, path.string()))
+        return read_text(text, *layout, path, options, context);
+    if (is_text_extension(kind_extension(path)))
+        fail(ErrorCode::kInvalidInput,
+             "{}: the first lines are no table: rows of at least three numbers are wanted, with "
+             "blanks, commas or semicolons between them",
+             path.string());
     fail(ErrorCode::kUnsupported,
-         "{}: is {}; points are read from PLY, PCD, and as vertices from OBJ, GLB and glTF",
+         "{}: is {}; points are read from PLY, PCD, PTX and tables of text, and as vertices from "
+         "OBJ, "
+         "GLB and glTF",
          path.string(), kind_of(first_bytes(bytes)));
 }
 

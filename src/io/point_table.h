@@ -45,6 +45,8 @@ class PointTable {
     /// Makes room; call it when the rows' bytes have been seen. Throws Error{kLimit} beyond
     /// 2^32 - 2 rows.
     void allocate(std::uint64_t num_rows);
+    /// Where the type shows only in the values; the size of the colours must not change.
+    void set_type(std::size_t column, NumberType type) { columns_[column].type = type; }
     /// Different rows may be stored on different threads.
     void store(const TableBlock& block);
     /// Once, at the end.
