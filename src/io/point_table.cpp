@@ -250,9 +250,9 @@ void PointTable::finish_colors(const Context& context) {
             return static_cast<double>(m);
         },
         [](double a, double b) { return std::max(a, b); });
-    const bool has_floats =
-        std::any_of(color_->begin(), color_->end(),
-                    [&](std::size_t column) { return is_float(type_of(column)); });
+    const bool has_floats = std::any_of(color_->begin(), color_->end(), [&](std::size_t column) {
+        return is_float(type_of(column));
+    });
     double scale = 65535.0;
     if (has_floats && max <= kUnitColorMax)
         scale = 1.0;

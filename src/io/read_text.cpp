@@ -59,6 +59,12 @@ class TextReader {
     }
 
     PointRows read_named_by_content() {
+        // Lines like "v 1 2 3" and "n 0 0 1" look like a table, but are none.
+        if (numbers_[2] != 2)
+            fail(ErrorCode::kInvalidInput,
+                 "{}: words among the first three of {} columns; name the columns with --columns, "
+                 "like -,x,y,z",
+                 source_.name, layout_.num_columns);
         ColumnStats stats(numbers_.size());
         // The first block is the sample.
         std::string_view sample = cut_sample();

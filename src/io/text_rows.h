@@ -29,6 +29,7 @@ class Fields {
  private:
     void skip_blanks();
     void skip_separator();
+    bool short_number(double& value);
     bool odd_number(double& value);
 
     const char* at_;

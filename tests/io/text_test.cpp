@@ -1,5 +1,6 @@
 // Tables of text: separators, headers, what columns are taken for, and what is no table.
-#include <chrono>
+#include <bit>
+#include <charconv>
 
 #include "core/color.h"
 #include "io/test_files.h"
@@ -209,10 +210,40 @@ TEST(Text, BadRowsAreDroppedAndCounted) {
                       "a.xyz:3001: text that is no number; 4000 of 7000 rows");
 }
 
+TEST(Text, NumbersAreReadAsFromCharsReadsThem) {
+    std::uint64_t seed = 1;
+    const auto random = [&](std::uint64_t n) {
+        seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+        return (seed >> 33) % n;
+    };
+    for (int i = 0; i < 200000; ++i) {
+        std::string text = random(3) == 0 ? "-" : "";
+        const std::uint64_t before = random(9), behind = random(12);
+        for (std::uint64_t k = 0; k < before; ++k) text += static_cast<char>('0' + random(10));
+        if (behind > 0 || before == 0) text += '.';
+        for (std::uint64_t k = 0; k < behind + (before == 0); ++k)
+            text += static_cast<char>('0' + random(10));
+        if (random(10) == 0) text += "e" + std::to_string(static_cast<int>(random(60)) - 30);
+        double wanted = 0.0, got = 0.0;
+        std::from_chars(text.data(), text.data() + text.size(), wanted);
+        Fields fields(text);
+        ASSERT_TRUE(fields.number(got)) << text;
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(got), std::bit_cast<std::uint64_t>(wanted)) << text;
+    }
+    for (const char* text : {"-", ".", "-.", "", "1.2.3", "1-2", "1e", "e5", "--1"}) {
+        double value = 0.0;
+        EXPECT_FALSE(Fields(text).number(value)) << text;
+    }
+}
+
 TEST(Text, WordsInAColumnLeaveItOut) {
-    const LoadResult result = load_as("a.xyz", "C 0.5 0 0\nN 1 1 1\nO 2 2 2\n");
+    const LoadResult result = load_as("a.xyz", "0.5 0 0 C 7\n1 1 1 N 8\n2 2 2 O 9\n");
     EXPECT_EQ(result.cloud.size(), 3U);
-    EXPECT_TRUE(has_note(result, "columns are -,x,y,z"));
+    EXPECT_TRUE(has_note(result, "columns are x,y,z,-,intensity"));
+    const std::string words_first = "p 0.5 0 0\nn 1 1 1\np 2 2 2\n";
+    expect_load_error("a.xyz", words_first, ErrorCode::kInvalidInput,
+                      "words among the first three");
+    EXPECT_EQ(load_as("a.xyz", words_first, {.columns = "-,x,y,z"}).cloud.size(), 3U);
 }
 
 TEST(Text, DecimalCommasAreToldAbout) {
