@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kStep = std::size_t{1} << 20;  // unpacked between two polls
 // What unpacks to more than this is taken for a bomb: real tables of points shrink to a fiftieth at
 // best, scans with many empty rows a little further.
-constexpr std::size_t kMostUnpacked = std::size_t{1} << 30, kMostRatio = 200;
+constexpr std::size_t kMostUnpacked = std::size_t{1} << 28, kMostRatio = 200;
 
 void check_ratio(std::size_t num_unpacked, std::size_t num_packed, const std::string& name) {
     if (num_unpacked / kMostRatio <= num_packed || num_unpacked <= kMostUnpacked) return;

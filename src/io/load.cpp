@@ -12,9 +12,11 @@
 #include "io/ply_header.h"
 #include "io/read_gltf.h"
 #include "io/read_obj.h"
+#include "io/read_off.h"
 #include "io/read_pcd.h"
 #include "io/read_ply.h"
 #include "io/read_ptx.h"
+#include "io/read_stl.h"
 #include "io/read_text.h"
 
 namespace pointbake {
@@ -64,9 +66,13 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
     if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
-        return vertices_as_points(read_gltf(bytes, path, context), path, context);
-    if (is_obj(bytes)) return vertices_as_points(read_obj(bytes, path, context), path, context);
+        return vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context);
+    if (is_obj(bytes))
+        return vertices_as_points(read_obj(bytes, path, context), "OBJ", path, context);
     const std::string_view text = all_text(bytes);
+    if (is_off(text)) return read_off(text, path, context);
+    if (is_stl(bytes) || kind_extension(path) == ".stl")
+        return vertices_as_points(read_stl(bytes, path, context), "STL", path, context);
     // A PTX whose first header is damaged must not pass for a table.
     if (is_ptx(text) || kind_extension(path) == ".ptx") return read_ptx(text, path, context);
     if (const std::optional<TextLayout> layout = find_text_layout(text, path.string()))
@@ -77,9 +83,8 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
              "blanks, commas or semicolons between them",
              path.string());
     fail(ErrorCode::kUnsupported,
-         "{}: is {}; points are read from PLY, PCD, PTX and tables of text, and as vertices from "
-         "OBJ, "
-         "GLB and glTF",
+         "{}: is {}; points are read from PLY, PCD, PTX, OFF and tables of text, and as vertices "
+         "from OBJ, STL, GLB and glTF",
          path.string(), kind_of(first_bytes(bytes)));
 }
 
@@ -88,13 +93,16 @@ TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context
     const InputFile file(path, context);
     const Bytes bytes = file.bytes();
     if (bytes.empty())
-        fail(ErrorCode::kInvalidInput, "{}: the file is empty; an OBJ, GLB, glTF or PLY is wanted",
-             path.string());
+        fail(ErrorCode::kInvalidInput,
+             "{}: the file is empty; an OBJ, GLB, glTF, PLY, OFF or STL is wanted", path.string());
     if (is_ply(bytes)) return read_ply_mesh(bytes, path, context);
     if (is_gltf(first_bytes(bytes))) return read_gltf(bytes, path, context);
     if (is_obj(bytes)) return read_obj(bytes, path, context);
-    fail(ErrorCode::kUnsupported, "{}: neither OBJ, GLB, glTF nor PLY, which are the meshes read",
-         path.string());
+    if (is_off(all_text(bytes)))
+        return faces_as_mesh(read_off(all_text(bytes), path, context), path);
+    if (is_stl(bytes) || kind_extension(path) == ".stl") return read_stl(bytes, path, context);
+    fail(ErrorCode::kUnsupported,
+         "{}: neither OBJ, GLB, glTF, PLY, OFF nor STL, which are the meshes read", path.string());
 }
 
 }  // namespace pointbake

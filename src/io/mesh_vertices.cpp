@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "core/message.h"
 #include "io/finish_cloud.h"
+#include "io/mesh_builder.h"
 
 namespace pointbake {
 namespace {
@@ -27,13 +29,13 @@ Mesh over_points(const Mesh& mesh, const PointCloud& cloud,
 
 }  // namespace
 
-LoadResult vertices_as_points(const TexturedMesh& model, const std::filesystem::path& path,
-                              const Context& context) {
+LoadResult vertices_as_points(const TexturedMesh& model, const std::string& kind,
+                              const std::filesystem::path& path, const Context& context) {
     PointRows vertices;
     vertices.cloud.positions = model.mesh.positions;
     vertices.cloud.colors = model.mesh.colors;
-    FinishedCloud finished = finish_cloud(
-        std::move(vertices), path.extension().string().substr(1) + " mesh", path.string(), context);
+    FinishedCloud finished =
+        finish_cloud(std::move(vertices), kind + " mesh", path.string(), context);
     LoadResult& result = finished.result;
     result.mesh = over_points(model.mesh, result.cloud, finished.point_of_row);
     result.report.num_bad_faces = model.mesh.triangles.size() - result.mesh->triangles.size();
@@ -42,6 +44,15 @@ LoadResult vertices_as_points(const TexturedMesh& model, const std::filesystem::
         result.report.notes.emplace_back(
             "its textures are not read: make points of them with pointbake sample");
     return std::move(result);
+}
+
+TexturedMesh faces_as_mesh(LoadResult loaded, const std::filesystem::path& path) {
+    if (!loaded.mesh)
+        fail(ErrorCode::kInvalidInput, "{}: the file holds no faces; a mesh is wanted",
+             path.string());
+    TexturedMesh mesh;
+    mesh.mesh = std::move(*loaded.mesh);
+    return finish_mesh(std::move(mesh), path.string());
 }
 
 }  // namespace pointbake

@@ -24,7 +24,7 @@ class TextReader {
           source_{path.string(), text, layout.line_end},
           extension_(kind_extension(path)),
           context_(context),
-          body_(text.substr(layout.begin)),
+          body_(text.substr(layout.begin, layout.end - layout.begin)),
           rows_(body_, layout.line_end, context) {
         for (std::size_t k = 0; k < layout.num_columns; ++k)
             if (layout.is_number[k]) numbers_.push_back(k);
@@ -195,6 +195,12 @@ class TextReader {
 };
 
 }  // namespace
+
+PointRows read_text_points(std::string_view text, const TextLayout& layout,
+                           const std::filesystem::path& path, const LoadOptions& options,
+                           const Context& context) {
+    return TextReader(text, layout, path, context).read(options);
+}
 
 LoadResult read_text(std::string_view text, const TextLayout& layout,
                      const std::filesystem::path& path, const LoadOptions& options,

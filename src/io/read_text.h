@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "io/point_table.h"
 #include "io/text_layout.h"
 #include "pointbake/load.h"
 
@@ -16,6 +17,11 @@ namespace pointbake {
 LoadResult read_text(std::string_view text, const TextLayout& layout,
                      const std::filesystem::path& path, const LoadOptions& options,
                      const Context& context);
+
+/// The rows alone, of a text of another format that holds a table from layout.begin to layout.end.
+PointRows read_text_points(std::string_view text, const TextLayout& layout,
+                           const std::filesystem::path& path, const LoadOptions& options,
+                           const Context& context);
 
 /// Whether files of this extension are such tables, whatever they hold.
 bool is_text_extension(std::string_view extension);

@@ -16,6 +16,7 @@ namespace pointbake {
 struct TextLayout {
     char line_end = '\n';
     std::size_t begin = 0;  ///< of the rows: behind the byte order mark and the header line
+    std::size_t end = std::string_view::npos;
     std::size_t num_columns = 0;
     std::vector<bool> is_number;     ///< per column
     std::string header;              ///< the line that may hold names; empty = none
