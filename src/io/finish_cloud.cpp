@@ -15,6 +15,7 @@ void finish_normals(PointCloud& cloud, LoadReport& report) {
     report.num_zero_normals = static_cast<std::uint64_t>(num_zero);
     if (cloud.normals.empty() || report.num_zero_normals < cloud.normals.size()) return;
     cloud.normals.clear();
+    cloud.given_normals.clear();
     report.notes.emplace_back("all normals are zero: ignored");
 }
 

@@ -16,6 +16,7 @@
 #include "io/read_pcd.h"
 #include "io/read_ply.h"
 #include "io/read_ptx.h"
+#include "io/read_splats.h"
 #include "io/read_stl.h"
 #include "io/read_text.h"
 
@@ -64,6 +65,8 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
     if (bytes.empty())
         fail(ErrorCode::kInvalidInput, "{}: the file is empty; points are wanted", path.string());
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
+    if (is_spz(bytes)) return read_spz(bytes, path, context);
+    if (kind_extension(path) == ".splat") return read_splat(bytes, path, context);
     if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
         return vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context);
@@ -82,10 +85,11 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
              "{}: the first lines are no table: rows of at least three numbers are wanted, with "
              "blanks, commas or semicolons between them",
              path.string());
-    fail(ErrorCode::kUnsupported,
-         "{}: is {}; points are read from PLY, PCD, PTX, OFF and tables of text, and as vertices "
-         "from OBJ, STL, GLB and glTF",
-         path.string(), kind_of(first_bytes(bytes)));
+    fail(
+        ErrorCode::kUnsupported,
+        "{}: is {}; points are read from PLY, PCD, PTX, OFF, SPZ, splat and tables of text, and as "
+        "vertices from OBJ, STL, GLB and glTF",
+        path.string(), kind_of(first_bytes(bytes)));
 }
 
 TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context) {

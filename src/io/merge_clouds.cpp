@@ -62,6 +62,7 @@ PointCloud concatenated(const Parts& parts, std::vector<std::string>& notes) {
     append_all(all, parts, &PointCloud::positions, "points", notes);
     append_all(all, parts, &PointCloud::colors, "colours", notes);
     append_all(all, parts, &PointCloud::normals, "normals", notes);
+    append_all(all, parts, &PointCloud::given_normals, "signs of normals", notes);
     append_all(all, parts, &PointCloud::radii, "radii", notes);
     append_all(all, parts, &PointCloud::areas, "areas", notes);
     append_all(all, parts, &PointCloud::axes, "tangent axes", notes);

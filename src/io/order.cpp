@@ -242,6 +242,7 @@ OrderedCloud order_cloud(PointCloud rows, const Context& context) {
     merger.gather_lowest(cloud.positions);
     merger.gather_color(cloud.colors);
     merger.gather_direction(cloud.normals);
+    merger.gather_lowest(cloud.given_normals);
     merger.gather_mean(cloud.radii);
     merger.gather_mean(cloud.areas);
     merger.gather_lowest(cloud.axes);

@@ -1,6 +1,7 @@
 #include "io/ply_points.h"
 
-#include "core/message.h"
+#include "io/ply_splats.h"
+#include "io/splats.h"
 
 namespace pointbake {
 namespace {
@@ -30,9 +31,8 @@ ScalarProperties scalar_properties(const PlyElement& element) {
 
 PointRows read_ply_points(const PlyBody& body, const PlyHeader& header, std::size_t element,
                           const std::string& path, const Context& context) {
-    if (header.elements[element].find("packed_position"))
-        fail(ErrorCode::kUnsupported,
-             "{}: compressed Gaussian splats are not read; export them uncompressed", path);
+    if (has_packed_splats(header.elements[element]))
+        return read_packed_splats(body, header, element, path, context);
     ScalarProperties scalars = scalar_properties(header.elements[element]);
     PointTable table(std::move(scalars.columns), path, "element 'vertex' has no scalar property");
     table.allocate(header.elements[element].count);
@@ -45,6 +45,8 @@ PointRows read_ply_points(const PlyBody& body, const PlyHeader& header, std::siz
         table.store(columns);
     });
     PointRows rows = table.finish(context);
+    if (SplatShapes shapes; take_shapes(rows.cloud, shapes, context))
+        make_surfels(rows, shapes, context);
     if (!scalars.lists.empty())
         rows.notes.push_back("list properties of 'vertex' ignored: " + scalars.lists);
     return rows;

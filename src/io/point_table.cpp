@@ -1,6 +1,5 @@
 // Names as the usual programs write them; docs/stages/load.md has the list.
-// Gaussian splats in the layout of [Kerbl23] are read as points: colour = degree 0 of the spherical
-// harmonics.
+// Colours of Gaussian splats [Kerbl23] are degree 0 of the spherical harmonics.
 #include "io/point_table.h"
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/splats.h"
 #include "pointbake/error.h"
 
 namespace pointbake {
@@ -17,7 +17,6 @@ constexpr std::size_t kGrain = 8192;
 // Float colours up to here are meant to be in [0, 1]: filters overshoot, but on the 8-bit scale a
 // cloud that dark would be black.
 constexpr double kUnitColorMax = 1.5;
-constexpr double kHarmonic0 = 0.28209479177387814;  // sqrt(1 / (4 pi))
 
 std::string lower(std::string_view text) {
     std::string out(text);
@@ -133,10 +132,7 @@ void PointTable::take_colors() {
         if (!color_) color_ = take(names);
     if (color_) return;
     harmonic_ = take({"f_dc_0", "f_dc_1", "f_dc_2"});
-    if (harmonic_)
-        out_.notes.emplace_back(
-            "Gaussian splats read as points: colour from f_dc; f_rest is left out, opacity, "
-            "scale and rot become channels");
+    if (harmonic_) out_.notes.emplace_back("colour from f_dc; f_rest is left out");
 }
 
 void PointTable::take_directions() {
@@ -224,10 +220,8 @@ void PointTable::store(const TableBlock& block) {
 
 void PointTable::store_colors(const TableBlock& block) {
     std::vector<Rgb16>& colors = out_.cloud.colors;
-    for_triples(block, harmonic_, [&](std::size_t row, Vec3d f) {
-        const Vec3d c = f * kHarmonic0 + Vec3d{0.5, 0.5, 0.5};
-        colors[row] = {to_16bit(c.x), to_16bit(c.y), to_16bit(c.z)};
-    });
+    for_triples(block, harmonic_,
+                [&](std::size_t row, Vec3d f) { colors[row] = color_of_harmonic(f); });
     if (raw_colors_.empty())
         for_triples(block, color_, [&](std::size_t row, Vec3d c) {
             colors[row] = {from_8bit(c.x), from_8bit(c.y), from_8bit(c.z)};
