@@ -54,12 +54,8 @@ bool is_gltf(std::string_view text) {
     return begin != std::string_view::npos && text[begin] == '{';
 }
 
-}  // namespace
-
-LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& options,
-                      const Context& context) {
-    check_cancelled(context);
-    report_progress(context, "load", 0.0);
+LoadResult read_any(const std::filesystem::path& path, const LoadOptions& options,
+                    const Context& context) {
     const InputFile file(path, context);
     const Bytes bytes = file.bytes();
     if (bytes.empty())
@@ -90,6 +86,19 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
         "{}: is {}; points are read from PLY, PCD, PTX, OFF, SPZ, splat and tables of text, and as "
         "vertices from OBJ, STL, GLB and glTF",
         path.string(), kind_of(first_bytes(bytes)));
+}
+
+}  // namespace
+
+LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& options,
+                      const Context& context) {
+    check_cancelled(context);
+    if (!options.columns.empty()) parse_columns(options.columns);  // a slip is told at once
+    report_progress(context, "load", 0.0);
+    LoadResult result = read_any(path, options, context);
+    if (!options.columns.empty() && !result.report.format.starts_with("text"))
+        result.report.notes.emplace_back("--columns not used: it is for tables of text");
+    return result;
 }
 
 TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context) {

@@ -5,6 +5,7 @@
 #include "io/finish_cloud.h"
 #include "io/ply_faces.h"
 #include "io/ply_points.h"
+#include "io/ply_splats.h"
 #include "io/read_ply.h"
 
 namespace pointbake {
@@ -25,7 +26,8 @@ std::string ignored_elements(const PlyHeader& header, std::size_t points,
                              std::optional<std::size_t> faces) {
     std::string names;
     for (std::size_t i = 0; i < header.elements.size(); ++i)
-        if (i != points && i != faces && header.elements[i].count > 0)
+        if (i != points && i != faces && header.elements[i].count > 0 &&
+            !(header.elements[i].name == "chunk" && has_packed_splats(header.elements[points])))
             names += (names.empty() ? "" : ", ") + header.elements[i].name;
     return names;
 }

@@ -103,6 +103,7 @@ class PtxReader {
     void find_scans() {
         const TextRows all(source_.text, source_.line_end, context_);
         std::string_view rest = source_.text;
+        if (all.num_rows() == 0) fail_header(rest);
         std::size_t row = 0;  // of all rows, headers included
         while (row < all.num_rows()) {
             const std::string_view begin = rest;
