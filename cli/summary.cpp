@@ -188,6 +188,10 @@ std::vector<std::string> summary_lines(const RunReport& r) {
     if (r.load.num_merged > 0)
         lines.push_back(fmt::format("merged {} with the coordinates of another",
                                     counted(r.load.num_merged, "row")));
+    if (!r.load.guess.empty()) lines.push_back(r.load.guess);
+    if (r.load.num_left_out > 0)
+        lines.push_back(fmt::format("left out {} that are no points (pointbake info tells why)",
+                                    counted(r.load.num_left_out, "row")));
     if (r.convert.clean.num_dropped() > 0)
         lines.push_back(fmt::format("cleaned: {} dropped", cleaning_text(r.convert.clean)));
     if (r.last_stage >= Stage::kReconstruct) lines.push_back(surface_line(r));

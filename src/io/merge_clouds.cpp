@@ -118,6 +118,7 @@ LoadReport summed_report(const Parts& parts, const PointCloud& cloud) {
     LoadReport sum;
     sum.format = fmt::format("{} files, the first {}", parts.size(), parts[0].report.format);
     for (const LoadResult& part : parts) {
+        if (sum.guess.empty()) sum.guess = part.report.guess;
         sum.num_non_finite += part.report.num_non_finite;
         sum.num_left_out += part.report.num_left_out;
         sum.num_zero_normals += part.report.num_zero_normals;

@@ -46,6 +46,7 @@ class TextReader {
         return points;
     }
 
+    const std::string& guess() const { return guess_; }
     std::string format() const { return fmt::format("text, {} columns", layout_.num_columns); }
 
  private:
@@ -138,7 +139,7 @@ class TextReader {
     }
 
     void note_columns(const std::vector<std::string>& names, NamedBy by,
-                      std::vector<std::string>& notes) const {
+                      std::vector<std::string>& notes) {
         std::string text;
         for (std::size_t k = 0; k < names.size(); ++k) {
             const bool is_read = !names[k].empty() && layout_.is_number[k];
@@ -149,6 +150,7 @@ class TextReader {
             "by what they hold (--columns names them otherwise)"};
         notes.push_back(
             fmt::format("columns are {}, {}", text, kReasons[static_cast<std::size_t>(by)]));
+        if (by == NamedBy::kContent && names.size() > 3) guess_ = notes.back();
         if (by == NamedBy::kContent && !layout_.header.empty()) {
             constexpr std::size_t kLongest = 60;
             notes.push_back(fmt::format(
@@ -186,6 +188,7 @@ class TextReader {
     }
 
     const TextLayout& layout_;
+    std::string guess_;
     TextSource source_;
     std::string extension_;
     const Context& context_;
@@ -211,6 +214,7 @@ LoadResult read_text(std::string_view text, const TextLayout& layout,
     report_progress(context, "load", 0.5);
     LoadResult result =
         finish_cloud(std::move(rows), reader.format(), path.string(), context).result;
+    result.report.guess = reader.guess();
     report_progress(context, "load", 1.0);
     return result;
 }

@@ -28,6 +28,8 @@ TEST(Reading, TheOptionNamesColumns) {
     EXPECT_THAT(info(folder, {"a.txt"}).dump(), HasSubstr("x,y,z,intensity,red,green,blue"));
     EXPECT_THAT(info(folder, {"a.txt", "--columns", "z,y,x,-,red,green,blue"}).dump(),
                 HasSubstr("columns are z,y,x,-,red,green,blue, by --columns"));
+    EXPECT_THAT(run_program(folder, {"a.txt", "out.ply", "--stop-after", "load"}).err,
+                HasSubstr("columns are x,y,z,intensity,red,green,blue, by what they hold"));
     folder.write("a.ply", ascii_ply(egg_points(100)));
     EXPECT_THAT(info(folder, {"a.ply", "--columns", "x,y,z"}).dump(),
                 HasSubstr("--columns not used"));
