@@ -25,8 +25,8 @@ constexpr std::array<CommonOption, 8> kCommonOptions = {{
     {"-h,--help", "-h, --help", "print this and stop"},
 }};
 
-constexpr std::array<std::string_view, 7> kGroupTitles = {
-    "Cleaning", "Geometry", "Texture", "Atlas", "Sampling", "Output", "Running"};
+constexpr std::array<std::string_view, 8> kGroupTitles = {
+    "Reading", "Cleaning", "Geometry", "Texture", "Atlas", "Sampling", "Output", "Running"};
 
 constexpr std::size_t kHelpWidth = 96;   // columns of a line of help
 constexpr std::size_t kHelpIndent = 34;  // column at which the explanations begin

@@ -6,6 +6,7 @@ namespace pointbake::cli {
 
 void add_job_options(OptionTable& table, Job& job, Stage first, Stage last) {
     const auto has = [&](Stage stage) { return first <= stage && stage <= last; };
+    table.add(OptionGroup::kReading, true, job.load);
     if (has(Stage::kReconstruct)) {
         table.add(OptionGroup::kCleaning, true, job.convert.clean);
         table.add(OptionGroup::kCleaning, true, job.convert.denoise);

@@ -27,7 +27,11 @@ constexpr std::size_t kMostInputs = 1 << 16;
 /// What a run that stops before the texture is written to has no natural name beside the input.
 std::filesystem::path default_output(const Job& job) {
     if (job.stop.stop_after < Stage::kTexture) return {};
-    return std::filesystem::path(job.inputs[0]).replace_extension(".glb");
+    std::filesystem::path input = job.inputs[0];
+    if (input == "-")
+        fail(ErrorCode::kInvalidOption, "- is standard input: name the output with -o");
+    if (is_packed(input)) input.replace_extension();
+    return input.replace_extension(".glb");
 }
 
 /// `pointbake -q info x.ply` would otherwise be told that there is no file "info".

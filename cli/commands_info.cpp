@@ -17,6 +17,7 @@ void run_info(Words words, const std::stop_token& stop) {
     InfoOptions info;
     Job job;
     OptionTable table;
+    table.add(OptionGroup::kReading, false, job.load);
     table.add(OptionGroup::kOutput, false, info);
     table.add(OptionGroup::kRunning, false, job.run);
     ParsedLine line;
@@ -27,7 +28,7 @@ void run_info(Words words, const std::stop_token& stop) {
              line.output.string());
     Console console(line.verbosity, job.run.progress);
     const Context context = console.context(job.run.threads, stop);
-    LoadResult loaded = load_cloud(line.inputs[0], {}, context);
+    LoadResult loaded = load_cloud(line.inputs[0], job.load, context);
     const CloudSummary cloud = summarize(loaded.cloud, context);
     const std::uint64_t num_faces = loaded.mesh ? loaded.mesh->triangles.size() : 0;
     console.clear();

@@ -26,13 +26,13 @@ struct Subject {
 };
 
 bool is_model(const fs::path& path) {
-    const std::string extension = lower_extension(path);
+    const std::string extension = lower_extension(is_packed(path) ? path.stem() : path);
     return extension == ".obj" || extension == ".gltf" || extension == ".glb";
 }
 
-Subject load_subject(const fs::path& path, const Context& context) {
+Subject load_subject(const fs::path& path, const LoadOptions& options, const Context& context) {
     if (is_model(path)) return {.cloud = {}, .model = load_mesh(path, context)};
-    LoadResult loaded = load_cloud(path, {}, context);
+    LoadResult loaded = load_cloud(path, options, context);
     if (loaded.mesh) return {.cloud = {}, .model = load_mesh(path, context)};
     return {.cloud = estimate_attributes(std::move(loaded.cloud), {}, context).cloud, .model = {}};
 }
@@ -85,9 +85,11 @@ void settle_picture(ParsedLine& line) {
 }  // namespace
 
 void run_render(Words words, const std::stop_token& stop) {
+    LoadOptions load;
     PictureOptions options;
     RunOptions run;
     OptionTable table;
+    table.add(OptionGroup::kReading, true, load);
     table.add(OptionGroup::kOutput, true, options);
     table.add(OptionGroup::kRunning, false, run);
     ParsedLine line;
@@ -98,7 +100,7 @@ void run_render(Words words, const std::stop_token& stop) {
     View view;
     std::vector<Image> pictures;
     for (const fs::path& input : line.inputs) {
-        const Subject subject = load_subject(input, context);
+        const Subject subject = load_subject(input, load, context);
         if (pictures.empty()) view = view_of(options, subject);
         if (!subject.model) {
             pictures.push_back(render_points(subject.cloud, view, context));

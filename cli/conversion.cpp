@@ -125,7 +125,8 @@ class Run {
     ConvertInput load() {
         const Stopwatch watch;
         std::vector<LoadResult> parts;
-        for (const fs::path& input : job_.inputs) parts.push_back(load_cloud(input, {}, context_));
+        for (const fs::path& input : job_.inputs)
+            parts.push_back(load_cloud(input, job_.load, context_));
         LoadResult loaded = merge_clouds(std::move(parts), context_);
         report_.load = loaded.report;
         check_memory(job_, loaded.cloud.size());

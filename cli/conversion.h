@@ -16,6 +16,7 @@ namespace pointbake::cli {
 struct Job {
     std::vector<std::filesystem::path> inputs;  ///< points
     std::filesystem::path output;               ///< empty: only the work directory
+    LoadOptions load;
     ConvertOptions convert;
     WriteOptions write;
     MeshOptions mesh;

@@ -53,6 +53,11 @@ std::string lower_extension(const fs::path& path) {
     return extension;
 }
 
+bool is_packed(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return extension == ".gz" || extension == ".zst";
+}
+
 void check_writable(const fs::path& output, std::span<const fs::path> inputs) {
     std::error_code error;
     for (const fs::path& input : inputs)

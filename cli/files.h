@@ -26,6 +26,9 @@ void check_companions(const std::filesystem::path& output,
 /// ".png" of "a/B.PNG".
 std::string lower_extension(const std::filesystem::path& path);
 
+/// Whether the name says that the file is packed: .gz, .zst.
+bool is_packed(const std::filesystem::path& path);
+
 /// Throws Error{kInvalidOption} if `output` is a file that an OBJ or glTF input in the same folder
 /// names: one of its textures.
 void check_no_texture(const std::filesystem::path& output,

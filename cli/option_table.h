@@ -13,7 +13,16 @@
 namespace pointbake::cli {
 
 /// What an option is for: the headings of the help, in this order.
-enum class OptionGroup { kCleaning, kGeometry, kTexture, kAtlas, kSampling, kOutput, kRunning };
+enum class OptionGroup {
+    kReading,
+    kCleaning,
+    kGeometry,
+    kTexture,
+    kAtlas,
+    kSampling,
+    kOutput,
+    kRunning
+};
 
 struct OptionEntry {
     std::string name;  ///< without dashes

@@ -170,6 +170,7 @@ void append_defects(std::vector<std::string>& lines, const LoadReport& load) {
             lines.push_back(fmt::format("{:<13} {}{}", "defect", counted(count, noun), what));
     };
     append(load.num_non_finite, "row", " with NaN or infinite coordinates: dropped");
+    append(load.num_left_out, "row", " dropped by the reader: see the notes");
     append(load.num_merged, "row", " with the coordinates of another: merged");
     append(load.num_zero_normals, "normal", " of length zero: estimated");
     append(load.num_bad_faces, "face", " with bad or equal corners: dropped");
@@ -182,6 +183,10 @@ std::vector<std::string> summary_lines(const RunReport& r) {
     if (r.load.num_merged > 0)
         lines.push_back(fmt::format("merged {} with the coordinates of another",
                                     counted(r.load.num_merged, "row")));
+    if (!r.load.guess.empty()) lines.push_back(r.load.guess);
+    if (r.load.num_left_out > 0)
+        lines.push_back(fmt::format("left out {} that are no points (pointbake info tells why)",
+                                    counted(r.load.num_left_out, "row")));
     if (r.convert.clean.num_dropped() > 0)
         lines.push_back(fmt::format("cleaned: {} dropped", cleaning_text(r.convert.clean)));
     if (r.last_stage >= Stage::kReconstruct) lines.push_back(surface_line(r));

@@ -1,6 +1,7 @@
 // Stage 1: a file becomes a point cloud (and, where it holds faces, a mesh).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -13,9 +14,14 @@
 namespace pointbake {
 
 struct LoadOptions {
-    // Nothing to choose yet: PLY says what it holds. Text formats will need column names here.
+    std::string columns;  ///< empty: told by the header line, else by number and ranges
     template <class Field>
-    static void describe(Field&&) {}
+    static void describe(Field&& field) {
+        field(
+            "columns", &LoadOptions::columns,
+            "names of a text table's columns, like x,y,z,red,green,blue,-,intensity; - leaves one "
+            "out (default: told by its header, else by what the columns hold)");
+    }
 };
 
 /// What was found in the file and what was done about it.
@@ -24,10 +30,13 @@ struct LoadReport {
     std::uint64_t num_rows = 0;        ///< point rows in the file
     std::uint64_t num_kept = 0;        ///< points of the cloud
     std::uint64_t num_non_finite = 0;  ///< rows dropped because a coordinate is NaN or infinite
-    std::uint64_t num_merged = 0;      ///< rows merged into another one with the same coordinates
+    std::uint64_t num_left_out =
+        0;  ///< rows dropped for another reason: a note says which, `cloud.dropped` row by row
+    std::uint64_t num_merged = 0;  ///< rows merged into another one with the same coordinates
     std::uint64_t num_zero_normals = 0;
     std::uint64_t num_bad_faces =
-        0;  ///< faces dropped: bad index, fewer than three different corners
+        0;              ///< faces dropped: bad index, fewer than three different corners
+    std::string guess;  ///< what the reader had to guess and an option overrules; empty = nothing
     std::vector<std::string>
         notes;  ///< decisions, one line each ("16-bit colours", "faces ignored: ...")
 };

@@ -40,7 +40,11 @@ enum class DropReason : std::uint8_t {
     kFloating = 5,    ///< cleaning: of a small piece that floats beside the model
     kCropped = 6,     ///< outside of --crop
     kSubsampled = 7,  ///< another point that is kept lies nearer than --subsample
+    kUnreadable = 8,  ///< the row of a text file holds other things than numbers
+    kNoReturn = 9,    ///< the scanner looked there, but nothing came back
+    kNoSurfel = 10,   ///< a Gaussian splat too faint, too large or too thin to be of a surface
 };
+inline constexpr int kNumDropReasons = 11;
 std::string_view to_string(DropReason reason);
 
 /// An input row that is not kept.

@@ -10,9 +10,9 @@
 namespace pointbake {
 
 std::string_view to_string(DropReason reason) {
-    static constexpr std::array<std::string_view, 8> words = {
-        "kept",    "merged",   "non_finite", "off_surface",
-        "outlier", "floating", "cropped",    "subsampled"};
+    static constexpr std::array<std::string_view, kNumDropReasons> words = {
+        "kept",    "merged",     "non_finite", "off_surface", "outlier",  "floating",
+        "cropped", "subsampled", "unreadable", "no_return",   "no_surfel"};
     return words[static_cast<std::size_t>(reason)];
 }
 

@@ -5,36 +5,47 @@
 #include <array>
 #include <string_view>
 
-#include "core/mapped_file.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/input_file.h"
 #include "io/mesh_vertices.h"
 #include "io/ply_header.h"
 #include "io/read_gltf.h"
 #include "io/read_obj.h"
+#include "io/read_off.h"
+#include "io/read_pcd.h"
 #include "io/read_ply.h"
+#include "io/read_ptx.h"
+#include "io/read_splats.h"
+#include "io/read_stl.h"
+#include "io/read_text.h"
 
 namespace pointbake {
 namespace {
 
+using Bytes = std::span<const std::byte>;
+
 /// What a file is that is not read, if its first bytes tell.
 std::string_view kind_of(std::string_view text) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kKinds{{
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kKinds{{
         {"LASF", "a LAS or LAZ file"},
         {"ASTM-E57", "an E57 file"},
-        {"# .PCD", "a PCD file"},
-        {"VERSION .7", "a PCD file"},
-        {"\x1f\x8b", "compressed with gzip"},
         {"PK\x03\x04", "a zip archive"},
         {"\xef\xbb\xbf", "text that begins with a UTF-8 byte order mark; save it without"},
+        {"\xff\xfe", "text in UTF-16; save it as UTF-8"},
+        {"\xfe\xff", "text in UTF-16; save it as UTF-8"},
     }};
     for (const auto& [magic, kind] : kKinds)
         if (text.starts_with(magic)) return kind;
     return "of an unknown kind (it does not begin with 'ply')";
 }
 
-std::string_view first_bytes(std::span<const std::byte> bytes) {
+std::string_view first_bytes(Bytes bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 64)};
+}
+
+std::string_view all_text(Bytes bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 bool is_gltf(std::string_view text) {
@@ -43,38 +54,68 @@ bool is_gltf(std::string_view text) {
     return begin != std::string_view::npos && text[begin] == '{';
 }
 
+LoadResult read_any(const std::filesystem::path& path, const LoadOptions& options,
+                    const Context& context) {
+    const InputFile file(path, context);
+    const Bytes bytes = file.bytes();
+    if (bytes.empty())
+        fail(ErrorCode::kInvalidInput, "{}: the file is empty; points are wanted", path.string());
+    if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
+    if (is_spz(bytes)) return read_spz(bytes, path, context);
+    if (kind_extension(path) == ".splat") return read_splat(bytes, path, context);
+    if (is_pcd(bytes)) return read_pcd(bytes, path, context);
+    if (is_gltf(first_bytes(bytes)))
+        return vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context);
+    if (is_obj(bytes))
+        return vertices_as_points(read_obj(bytes, path, context), "OBJ", path, context);
+    const std::string_view text = all_text(bytes);
+    if (is_off(text)) return read_off(text, path, context);
+    if (is_stl(bytes) || kind_extension(path) == ".stl")
+        return vertices_as_points(read_stl(bytes, path, context), "STL", path, context);
+    // A PTX whose first header is damaged must not pass for a table.
+    if (is_ptx(text) || kind_extension(path) == ".ptx") return read_ptx(text, path, context);
+    if (const std::optional<TextLayout> layout = find_text_layout(text, path.string()))
+        return read_text(text, *layout, path, options, context);
+    if (is_text_extension(kind_extension(path)))
+        fail(ErrorCode::kInvalidInput,
+             "{}: the first lines are no table: rows of at least three numbers are wanted, with "
+             "blanks, commas or semicolons between them",
+             path.string());
+    fail(
+        ErrorCode::kUnsupported,
+        "{}: is {}; points are read from PLY, PCD, PTX, OFF, SPZ, splat and tables of text, and as "
+        "vertices from OBJ, STL, GLB and glTF",
+        path.string(), kind_of(first_bytes(bytes)));
+}
+
 }  // namespace
 
-LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions&,
+LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& options,
                       const Context& context) {
     check_cancelled(context);
+    if (!options.columns.empty()) parse_columns(options.columns);  // a slip is told at once
     report_progress(context, "load", 0.0);
-    const MappedFile file(path);
-    const std::span<const std::byte> bytes = file.bytes();
-    if (bytes.empty())
-        fail(ErrorCode::kInvalidInput, "{}: the file is empty; a PLY file is wanted",
-             path.string());
-    if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
-    if (is_gltf(first_bytes(bytes)))
-        return vertices_as_points(read_gltf(bytes, path, context), path, context);
-    if (is_obj(bytes)) return vertices_as_points(read_obj(bytes, path, context), path, context);
-    fail(ErrorCode::kUnsupported,
-         "{}: is {}; points are read from PLY, and as vertices from OBJ, GLB and glTF",
-         path.string(), kind_of(first_bytes(bytes)));
+    LoadResult result = read_any(path, options, context);
+    if (!options.columns.empty() && !result.report.format.starts_with("text"))
+        result.report.notes.emplace_back("--columns not used: it is for tables of text");
+    return result;
 }
 
 TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context) {
     check_cancelled(context);
-    const MappedFile file(path);
-    const std::span<const std::byte> bytes = file.bytes();
+    const InputFile file(path, context);
+    const Bytes bytes = file.bytes();
     if (bytes.empty())
-        fail(ErrorCode::kInvalidInput, "{}: the file is empty; an OBJ, GLB, glTF or PLY is wanted",
-             path.string());
+        fail(ErrorCode::kInvalidInput,
+             "{}: the file is empty; an OBJ, GLB, glTF, PLY, OFF or STL is wanted", path.string());
     if (is_ply(bytes)) return read_ply_mesh(bytes, path, context);
     if (is_gltf(first_bytes(bytes))) return read_gltf(bytes, path, context);
     if (is_obj(bytes)) return read_obj(bytes, path, context);
-    fail(ErrorCode::kUnsupported, "{}: neither OBJ, GLB, glTF nor PLY, which are the meshes read",
-         path.string());
+    if (is_off(all_text(bytes)))
+        return faces_as_mesh(read_off(all_text(bytes), path, context), path);
+    if (is_stl(bytes) || kind_extension(path) == ".stl") return read_stl(bytes, path, context);
+    fail(ErrorCode::kUnsupported,
+         "{}: neither OBJ, GLB, glTF, PLY, OFF nor STL, which are the meshes read", path.string());
 }
 
 }  // namespace pointbake

@@ -62,6 +62,7 @@ PointCloud concatenated(const Parts& parts, std::vector<std::string>& notes) {
     append_all(all, parts, &PointCloud::positions, "points", notes);
     append_all(all, parts, &PointCloud::colors, "colours", notes);
     append_all(all, parts, &PointCloud::normals, "normals", notes);
+    append_all(all, parts, &PointCloud::given_normals, "signs of normals", notes);
     append_all(all, parts, &PointCloud::radii, "radii", notes);
     append_all(all, parts, &PointCloud::areas, "areas", notes);
     append_all(all, parts, &PointCloud::axes, "tangent axes", notes);
@@ -117,7 +118,9 @@ LoadReport summed_report(const Parts& parts, const PointCloud& cloud) {
     LoadReport sum;
     sum.format = fmt::format("{} files, the first {}", parts.size(), parts[0].report.format);
     for (const LoadResult& part : parts) {
+        if (sum.guess.empty()) sum.guess = part.report.guess;
         sum.num_non_finite += part.report.num_non_finite;
+        sum.num_left_out += part.report.num_left_out;
         sum.num_zero_normals += part.report.num_zero_normals;
         sum.num_bad_faces += part.report.num_bad_faces;
         for (const std::string& note : part.report.notes)

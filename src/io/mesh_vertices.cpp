@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
-#include "io/order.h"
+#include "core/message.h"
+#include "io/finish_cloud.h"
+#include "io/mesh_builder.h"
 
 namespace pointbake {
 namespace {
@@ -27,26 +29,30 @@ Mesh over_points(const Mesh& mesh, const PointCloud& cloud,
 
 }  // namespace
 
-LoadResult vertices_as_points(const TexturedMesh& model, const std::filesystem::path& path,
-                              const Context& context) {
-    PointCloud vertices;
-    vertices.positions = model.mesh.positions;
-    vertices.colors = model.mesh.colors;
-    OrderedCloud ordered = order_cloud(std::move(vertices), context);
-    LoadResult result;
-    result.cloud = std::move(ordered.cloud);
-    result.mesh = over_points(model.mesh, result.cloud, ordered.point_of_row);
-    result.report.format = path.extension().string().substr(1) + " mesh";
-    result.report.num_rows = result.cloud.num_rows;
-    result.report.num_kept = result.cloud.size();
-    result.report.num_non_finite = result.cloud.dropped.size();
-    result.report.num_merged = result.cloud.merged.size();
+LoadResult vertices_as_points(const TexturedMesh& model, const std::string& kind,
+                              const std::filesystem::path& path, const Context& context) {
+    PointRows vertices;
+    vertices.cloud.positions = model.mesh.positions;
+    vertices.cloud.colors = model.mesh.colors;
+    FinishedCloud finished =
+        finish_cloud(std::move(vertices), kind + " mesh", path.string(), context);
+    LoadResult& result = finished.result;
+    result.mesh = over_points(model.mesh, result.cloud, finished.point_of_row);
     result.report.num_bad_faces = model.mesh.triangles.size() - result.mesh->triangles.size();
     result.report.notes.emplace_back("the vertices of the mesh are the points");
     if (!model.images.empty())
         result.report.notes.emplace_back(
             "its textures are not read: make points of them with pointbake sample");
-    return result;
+    return std::move(result);
+}
+
+TexturedMesh faces_as_mesh(LoadResult loaded, const std::filesystem::path& path) {
+    if (!loaded.mesh)
+        fail(ErrorCode::kInvalidInput, "{}: the file holds no faces; a mesh is wanted",
+             path.string());
+    TexturedMesh mesh;
+    mesh.mesh = std::move(*loaded.mesh);
+    return finish_mesh(std::move(mesh), path.string());
 }
 
 }  // namespace pointbake

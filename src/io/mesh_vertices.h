@@ -8,7 +8,11 @@
 namespace pointbake {
 
 /// Points and faces of a mesh that was read from `path`; its textures are left out, with a note.
-LoadResult vertices_as_points(const TexturedMesh& model, const std::filesystem::path& path,
-                              const Context& context);
+/// `kind`: "OBJ", ... for the report.
+LoadResult vertices_as_points(const TexturedMesh& model, const std::string& kind,
+                              const std::filesystem::path& path, const Context& context);
+
+/// The faces that came with a cloud, as a mesh. Throws Error{kInvalidInput} if there are none.
+TexturedMesh faces_as_mesh(LoadResult loaded, const std::filesystem::path& path);
 
 }  // namespace pointbake

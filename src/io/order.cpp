@@ -180,6 +180,20 @@ Groups group_rows(const std::vector<Vec3d>& positions, const Context& context) {
     return groups;
 }
 
+/// Adds the rows that are no points and that no one has named yet.
+void record_dropped(const std::vector<Index>& point_of_row, PointCloud& cloud) {
+    std::vector<DroppedPoint> all;
+    auto named = cloud.dropped.begin();
+    for (std::size_t row = 0; row < point_of_row.size(); ++row) {
+        if (point_of_row[row] != kInvalidIndex) continue;
+        if (named != cloud.dropped.end() && named->row == row)
+            all.push_back(*named++);
+        else
+            all.push_back({row, cloud.positions[row], DropReason::kNonFinite});
+    }
+    cloud.dropped = std::move(all);
+}
+
 /// What became of each row: fills rows, merged and dropped.
 std::vector<Index> record_rows(const Groups& groups, PointCloud& cloud) {
     std::vector<Index> point_of_row(cloud.positions.size(), kInvalidIndex);
@@ -194,9 +208,7 @@ std::vector<Index> record_rows(const Groups& groups, PointCloud& cloud) {
         }
     }
     std::sort(cloud.merged.begin(), cloud.merged.end());
-    for (std::size_t row = 0; row < point_of_row.size(); ++row)
-        if (point_of_row[row] == kInvalidIndex)
-            cloud.dropped.push_back({row, cloud.positions[row], DropReason::kNonFinite});
+    record_dropped(point_of_row, cloud);
     return point_of_row;
 }
 
@@ -230,6 +242,7 @@ OrderedCloud order_cloud(PointCloud rows, const Context& context) {
     merger.gather_lowest(cloud.positions);
     merger.gather_color(cloud.colors);
     merger.gather_direction(cloud.normals);
+    merger.gather_lowest(cloud.given_normals);
     merger.gather_mean(cloud.radii);
     merger.gather_mean(cloud.areas);
     merger.gather_lowest(cloud.axes);

@@ -17,11 +17,12 @@ struct OrderedCloud {
 };
 
 /// Takes a cloud with one entry per input row, `rows` and `num_rows` not yet filled. Rows with
-/// non-finite coordinates go to `dropped`. Rows with equal coordinates (-0 equals 0) are merged
-/// into the one with the lowest row: colours are averaged in linear light; normals, radii, areas,
-/// weights, sensors and scalar or vector channels are averaged; axes and categories are the lowest
-/// row's. Points are ordered along a Morton curve, ties by coordinates: the order depends on the
-/// coordinates and the extent alone, not on the order of the rows. O(n log n).
+/// non-finite coordinates go to `dropped`; those that stand there already, by row, stay as they
+/// are. Rows with equal coordinates (-0 equals 0) are merged into the one with the lowest row:
+/// colours are averaged in linear light; normals, radii, areas, weights, sensors and scalar or
+/// vector channels are averaged; axes and categories are the lowest row's. Points are ordered along
+/// a Morton curve, ties by coordinates: the order depends on the coordinates and the extent alone,
+/// not on the order of the rows. O(n log n).
 OrderedCloud order_cloud(PointCloud rows, const Context& context);
 
 /// Side of the Morton grid's cells, a power of two: the extent spans at most 2^21 of them.

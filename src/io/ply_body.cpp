@@ -1,12 +1,9 @@
-// Text goes through std::from_chars; binary values are copied out column by column, so that the
-// switch over types is outside of the loop over rows.
+// Text goes through std::from_chars; binary values are copied out column by column.
 #include "io/ply_body.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
-#include <type_traits>
 
 #include "core/message.h"
 #include "core/parallel.h"
@@ -16,46 +13,7 @@ namespace pointbake {
 namespace {
 
 constexpr std::size_t kBlockRows = 4096;  // a block's columns stay in the second-level cache
-constexpr std::size_t kChunkBytes = std::size_t{1} << 18;  // of text, about as many rows
 constexpr std::size_t kRowsPerPoll = std::size_t{1} << 16;
-
-template <class T>
-T load_value(const std::byte* from, bool swap) {
-    std::array<std::byte, sizeof(T)> raw;
-    std::memcpy(raw.data(), from, sizeof(T));
-    if (swap) std::reverse(raw.begin(), raw.end());
-    return std::bit_cast<T>(raw);
-}
-
-/// Calls body(T{}) with the type that `type` names.
-template <class Body>
-decltype(auto) with_type(PlyType type, Body&& body) {
-    switch (type) {
-        case PlyType::kInt8:
-            return body(std::int8_t{});
-        case PlyType::kUint8:
-            return body(std::uint8_t{});
-        case PlyType::kInt16:
-            return body(std::int16_t{});
-        case PlyType::kUint16:
-            return body(std::uint16_t{});
-        case PlyType::kInt32:
-            return body(std::int32_t{});
-        case PlyType::kUint32:
-            return body(std::uint32_t{});
-        case PlyType::kFloat32:
-            return body(float{});
-        case PlyType::kFloat64:
-            break;
-    }
-    return body(double{});
-}
-
-double load_as_double(PlyType type, const std::byte* from, bool swap) {
-    return with_type(type, [&](auto zero) {
-        return static_cast<double>(load_value<decltype(zero)>(from, swap));
-    });
-}
 
 bool needs_swap(PlyFormat format) {
     return (format == PlyFormat::kLittleEndian) != (std::endian::native == std::endian::little);
@@ -98,16 +56,11 @@ void PlyBody::fail_short(const PlyElement& element, std::uint64_t num_there) con
 
 void PlyBody::cut_text(const Context& context) {
     const char* text = reinterpret_cast<const char*>(bytes_.data());
-    for (std::size_t begin = header_.num_bytes; begin < bytes_.size();) {
-        std::size_t end = bytes_.size();
-        if (end - begin > kChunkBytes) {
-            const void* line_end = std::memchr(text + begin + kChunkBytes, header_.line_end,
-                                               end - begin - kChunkBytes);
-            if (line_end != nullptr)
-                end = static_cast<std::size_t>(static_cast<const char*>(line_end) - text) + 1;
-        }
-        chunks_.push_back({begin, end, 0, 0});
-        begin = end;
+    const std::string_view all(text, bytes_.size());
+    for (const std::string_view part :
+         pointbake::cut_text(all.substr(header_.num_bytes), header_.line_end)) {
+        const auto begin = static_cast<std::size_t>(part.data() - text);
+        chunks_.push_back({begin, begin + part.size(), 0, 0});
     }
     parallel_for(context, chunks_.size(), 1, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -155,7 +108,7 @@ std::size_t PlyBody::skip_list_rows(const PlyElement& element, Place& place,
                                     const Context& context) const {
     struct Step {
         std::size_t fixed = 0;  ///< bytes before the list
-        PlyType count{};
+        NumberType count{};
         std::size_t item = 0;  ///< bytes per value of the list
     };
     std::vector<Step> steps(1);
@@ -251,15 +204,7 @@ void PlyBody::read_fixed(const PlyElement& element, const Place& place,
         const std::byte* from = bytes_.data() + place.begin + block.first_row * stride + offset;
         std::vector<double>& to = block.columns[k].values;
         to.resize(block.num_rows);
-        with_type(element.properties[properties[k]].type, [&](auto zero) {
-            using T = decltype(zero);
-            if (swap)
-                for (std::size_t i = 0; i < to.size(); ++i)
-                    to[i] = static_cast<double>(load_value<T>(from + i * stride, true));
-            else
-                for (std::size_t i = 0; i < to.size(); ++i)
-                    to[i] = static_cast<double>(load_value<T>(from + i * stride, false));
-        });
+        load_column(element.properties[properties[k]].type, from, stride, swap, to);
     }
 }
 

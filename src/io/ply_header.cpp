@@ -15,23 +15,23 @@ namespace {
 // No writer's header comes near; garbage is not searched for its end any longer.
 constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 22;
 
-constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames{{
-    {"char", PlyType::kInt8},
-    {"int8", PlyType::kInt8},
-    {"uchar", PlyType::kUint8},
-    {"uint8", PlyType::kUint8},
-    {"short", PlyType::kInt16},
-    {"int16", PlyType::kInt16},
-    {"ushort", PlyType::kUint16},
-    {"uint16", PlyType::kUint16},
-    {"int", PlyType::kInt32},
-    {"int32", PlyType::kInt32},
-    {"uint", PlyType::kUint32},
-    {"uint32", PlyType::kUint32},
-    {"float", PlyType::kFloat32},
-    {"float32", PlyType::kFloat32},
-    {"double", PlyType::kFloat64},
-    {"float64", PlyType::kFloat64},
+constexpr std::array<std::pair<std::string_view, NumberType>, 16> kTypeNames{{
+    {"char", NumberType::kInt8},
+    {"int8", NumberType::kInt8},
+    {"uchar", NumberType::kUint8},
+    {"uint8", NumberType::kUint8},
+    {"short", NumberType::kInt16},
+    {"int16", NumberType::kInt16},
+    {"ushort", NumberType::kUint16},
+    {"uint16", NumberType::kUint16},
+    {"int", NumberType::kInt32},
+    {"int32", NumberType::kInt32},
+    {"uint", NumberType::kUint32},
+    {"uint32", NumberType::kUint32},
+    {"float", NumberType::kFloat32},
+    {"float32", NumberType::kFloat32},
+    {"double", NumberType::kFloat64},
+    {"float64", NumberType::kFloat64},
 }};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -170,7 +170,7 @@ class HeaderReader {
         header_.elements.push_back(std::move(element));
     }
 
-    PlyType read_type(std::string_view word) const {
+    NumberType read_type(std::string_view word) const {
         for (const auto& [name, type] : kTypeNames)
             if (name == word) return type;
         fail_here(
@@ -227,11 +227,6 @@ std::string_view to_string(PlyFormat format) {
             return "binary_big_endian";
     }
     return "";
-}
-
-std::size_t size_of(PlyType type) {
-    constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[static_cast<std::size_t>(type)];
 }
 
 bool PlyElement::has_lists() const {

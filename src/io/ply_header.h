@@ -9,30 +9,17 @@
 #include <string_view>
 #include <vector>
 
+#include "io/number_type.h"
+
 namespace pointbake {
 
 enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
 std::string_view to_string(PlyFormat format);  ///< as the header spells it
 
-enum class PlyType : std::uint8_t {
-    kInt8,
-    kUint8,
-    kInt16,
-    kUint16,
-    kInt32,
-    kUint32,
-    kFloat32,
-    kFloat64
-};
-std::size_t size_of(PlyType type);
-constexpr bool is_float(PlyType type) {
-    return type == PlyType::kFloat32 || type == PlyType::kFloat64;
-}
-
 struct PlyProperty {
     std::string name;
-    PlyType type = PlyType::kFloat32;
-    std::optional<PlyType> count_type;  ///< set for lists
+    NumberType type = NumberType::kFloat32;
+    std::optional<NumberType> count_type;  ///< set for lists
 
     bool is_list() const { return count_type.has_value(); }
 };

@@ -1,332 +1,55 @@
-// Property names as the usual programs write them; docs/stages/load.md has the list.
-// Gaussian splats in the layout of [Kerbl23] are read as points: colour = degree 0 of the spherical
-// harmonics.
 #include "io/ply_points.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <optional>
-
-#include "core/message.h"
-#include "core/parallel.h"
-#include "pointbake/error.h"
+#include "io/ply_splats.h"
+#include "io/splats.h"
 
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kGrain = 8192;
-// Float colours up to here are meant to be in [0, 1]: filters overshoot, but on the 8-bit scale a
-// cloud that dark would be black.
-constexpr double kUnitColorMax = 1.5;
-constexpr double kHarmonic0 = 0.28209479177387814;  // sqrt(1 / (4 pi))
-
-using Triple = std::array<std::size_t, 3>;
-
-std::string lower(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return out;
-}
-
-bool is_8bit(PlyType type) { return type == PlyType::kInt8 || type == PlyType::kUint8; }
-
-/// Names of values that must never be averaged.
-bool is_category_name(std::string_view name) {
-    constexpr std::array<std::string_view, 13> kNames{
-        "class",           "classification", "label",    "scan",   "category",
-        "segment",         "flags",          "instance", "object", "object_id",
-        "point_source_id", "user_data",      "row"};
-    if (name.starts_with("scalar_")) name.remove_prefix(7);  // CloudCompare's prefix
-    return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
-}
-
-std::uint16_t to_16bit(double unit) {
-    if (!(unit > 0.0)) return 0;  // NaN, too
-    return static_cast<std::uint16_t>(std::min(unit, 1.0) * 65535.0 + 0.5);
-}
-
-/// signed char is a usual slip for unsigned: negative values are the upper half.
-std::uint16_t from_8bit(double value) {
-    const double wrapped = value < 0.0 ? value + 256.0 : value;
-    return to_16bit(wrapped / 255.0);
-}
-
-float radius_of(double value) {
-    return std::isfinite(value) && value > 0.0 ? static_cast<float>(value) : 0.0F;
-}
-
-class PointReader {
- public:
-    PointReader(const PlyHeader& header, std::size_t element, const std::string& path)
-        : element_(header.elements[element]), path_(path), taken_(element_.properties.size()) {
-        take_positions();
-        take_colors();
-        normal_ = take({"nx", "ny", "nz"});
-        take_directions();
-        for (std::string_view name : {"radius", "psz"})
-            if (!radius_) radius_ = take_one(name);
-        area_ = take_one("area");
-        take_channels();
-    }
-
-    PlyPoints read(const PlyBody& body, std::size_t element, const Context& context) {
-        allocate();
-        body.read(element, properties_, context, [&](const PlyBlock& block) { store(block); });
-        finish_colors(context);
-        finish_radii();
-        finish_weights();
-        return std::move(out_);
-    }
-
- private:
-    /// The column that the property of this name will be, if it is there and not taken yet.
-    std::optional<std::size_t> take_one(std::string_view name) {
-        for (std::size_t i = 0; i < taken_.size(); ++i) {
-            const PlyProperty& property = element_.properties[i];
-            if (taken_[i] || property.is_list() || lower(property.name) != name) continue;
-            taken_[i] = true;
-            properties_.push_back(i);
-            return properties_.size() - 1;
-        }
-        return std::nullopt;
-    }
-
-    bool has(std::string_view name) const {
-        for (std::size_t i = 0; i < taken_.size(); ++i)
-            if (!taken_[i] && !element_.properties[i].is_list() &&
-                lower(element_.properties[i].name) == name)
-                return true;
-        return false;
-    }
-
-    /// All three or none.
-    std::optional<Triple> take(const std::array<std::string_view, 3>& names) {
-        for (std::string_view name : names)
-            if (!has(name)) return std::nullopt;
-        return Triple{*take_one(names[0]), *take_one(names[1]), *take_one(names[2])};
-    }
-
-    PlyType type_of(std::size_t column) const {
-        return element_.properties[properties_[column]].type;
-    }
-
-    void take_positions() {
-        if (has("packed_position"))
-            fail(ErrorCode::kUnsupported,
-                 "{}: compressed Gaussian splats are not read; export them uncompressed", path_);
-        for (std::string_view name : {"x", "y", "z"})
-            if (!has(name))
-                fail(ErrorCode::kInvalidInput,
-                     "{}: element 'vertex' has no scalar property '{}'; x, y and z are wanted",
-                     path_, name);
-        position_ = *take({"x", "y", "z"});
-    }
-
-    void take_colors() {
-        using Names = std::array<std::string_view, 3>;
-        for (const Names& names : {Names{"red", "green", "blue"}, Names{"r", "g", "b"},
-                                   Names{"diffuse_red", "diffuse_green", "diffuse_blue"}})
-            if (!color_) color_ = take(names);
-        if (color_) return;
-        harmonic_ = take({"f_dc_0", "f_dc_1", "f_dc_2"});
-        if (harmonic_)
-            out_.notes.emplace_back(
-                "Gaussian splats read as points: colour from f_dc; f_rest is left out, opacity, "
-                "scale and rot become channels");
-    }
-
-    void take_directions() {
-        using Names = std::array<std::string_view, 3>;
-        const std::array<std::pair<Names, Names>, 3> axes{
-            {{{"u_x", "u_y", "u_z"}, {"v_x", "v_y", "v_z"}},
-             {{"tx1", "ty1", "tz1"}, {"tx2", "ty2", "tz2"}},
-             {{"ux", "uy", "uz"}, {"vx", "vy", "vz"}}}};
-        for (const auto& [u, v] : axes) {
-            if (axis_u_ || !has(u[0]) || !has(u[1]) || !has(u[2]) || !has(v[0]) || !has(v[1]) ||
-                !has(v[2]))
-                continue;
-            axis_u_ = take(u);
-            axis_v_ = take(v);
-        }
-        sensor_ = take({"sensor_x", "sensor_y", "sensor_z"});
-        if (sensor_) return;
-        sensor_ = take({"vx", "vy", "vz"});
-        if (sensor_) out_.notes.emplace_back("vx, vy, vz read as the direction towards the sensor");
-    }
-
-    void take_channels() {
-        std::string lists;
-        for (std::size_t i = 0; i < taken_.size(); ++i) {
-            const PlyProperty& property = element_.properties[i];
-            if (taken_[i] || (harmonic_ && property.name.starts_with("f_rest_"))) continue;
-            if (property.is_list()) {
-                lists += (lists.empty() ? "" : ", ") + property.name;
-                continue;
-            }
-            Channel channel;
-            channel.name = property.name;
-            if (is_category_name(lower(property.name))) channel.kind = ChannelKind::kCategory;
-            out_.rows.channels.push_back(std::move(channel));
-            channels_.push_back(properties_.size());
-            properties_.push_back(i);
-        }
-        if (!lists.empty()) out_.notes.push_back("list properties of 'vertex' ignored: " + lists);
-    }
-
-    void allocate() {
-        if (element_.count >= kInvalidIndex)
-            fail(ErrorCode::kLimit, "{}: {} points; at most {} are read", path_, element_.count,
-                 kInvalidIndex - 1);
-        const auto n = static_cast<std::size_t>(element_.count);
-        PointCloud& rows = out_.rows;
-        rows.positions.resize(n);
-        if (color_ || harmonic_) rows.colors.resize(n);
-        if (color_ && !has_8bit_colors()) raw_colors_.resize(n);
-        if (normal_) rows.normals.resize(n);
-        if (sensor_) rows.sensors.resize(n);
-        if (axis_u_) rows.axes.resize(n);
-        if (radius_) rows.radii.resize(n);
-        if (area_) rows.areas.resize(n);
-        for (Channel& channel : rows.channels) channel.data.resize(n);
-    }
-
-    bool has_8bit_colors() const {
-        return std::all_of(color_->begin(), color_->end(),
-                           [&](std::size_t column) { return is_8bit(type_of(column)); });
-    }
-
-    /// body(row, three values)
-    template <class Body>
-    static void for_triples(const PlyBlock& block, const std::optional<Triple>& triple,
-                            Body&& body) {
-        if (!triple) return;
-        const double* x = block.columns[(*triple)[0]].values.data();
-        const double* y = block.columns[(*triple)[1]].values.data();
-        const double* z = block.columns[(*triple)[2]].values.data();
-        for (std::size_t i = 0; i < block.num_rows; ++i)
-            body(block.first_row + i, Vec3d{x[i], y[i], z[i]});
-    }
-
-    /// body(row, value)
-    template <class Body>
-    static void for_values(const PlyBlock& block, std::size_t column, Body&& body) {
-        const double* values = block.columns[column].values.data();
-        for (std::size_t i = 0; i < block.num_rows; ++i) body(block.first_row + i, values[i]);
-    }
-
-    void store(const PlyBlock& block) {
-        PointCloud& rows = out_.rows;
-        for_triples(block, position_, [&](std::size_t row, Vec3d p) { rows.positions[row] = p; });
-        store_colors(block);
-        const auto direction = [](Vec3d v) {
-            const Vec3d unit = normalized(v);
-            return is_finite(unit) ? vec_cast<float>(unit) : Vec3f{};
-        };
-        for_triples(block, normal_,
-                    [&](std::size_t row, Vec3d n) { rows.normals[row] = direction(n); });
-        for_triples(block, sensor_,
-                    [&](std::size_t row, Vec3d v) { rows.sensors[row] = direction(v); });
-        for_triples(block, axis_u_,
-                    [&](std::size_t row, Vec3d u) { rows.axes[row].u = vec_cast<float>(u); });
-        for_triples(block, axis_v_,
-                    [&](std::size_t row, Vec3d v) { rows.axes[row].v = vec_cast<float>(v); });
-        if (radius_)
-            for_values(block, *radius_,
-                       [&](std::size_t row, double r) { rows.radii[row] = radius_of(r); });
-        if (area_)
-            for_values(block, *area_,
-                       [&](std::size_t row, double a) { rows.areas[row] = radius_of(a); });
-        for (std::size_t k = 0; k < channels_.size(); ++k) {
-            std::vector<float>& data = rows.channels[k].data;
-            for_values(block, channels_[k],
-                       [&](std::size_t row, double v) { data[row] = static_cast<float>(v); });
-        }
-    }
-
-    void store_colors(const PlyBlock& block) {
-        std::vector<Rgb16>& colors = out_.rows.colors;
-        for_triples(block, harmonic_, [&](std::size_t row, Vec3d f) {
-            const Vec3d c = f * kHarmonic0 + Vec3d{0.5, 0.5, 0.5};
-            colors[row] = {to_16bit(c.x), to_16bit(c.y), to_16bit(c.z)};
-        });
-        if (raw_colors_.empty())
-            for_triples(block, color_, [&](std::size_t row, Vec3d c) {
-                colors[row] = {from_8bit(c.x), from_8bit(c.y), from_8bit(c.z)};
-            });
-        else
-            for_triples(block, color_,
-                        [&](std::size_t row, Vec3d c) { raw_colors_[row] = vec_cast<float>(c); });
-    }
-
-    /// The scale of colours wider than 8 bit shows in their largest value only.
-    void finish_colors(const Context& context) {
-        if (raw_colors_.empty()) return;
-        const double max = parallel_reduce(
-            context, raw_colors_.size(), kGrain, 0.0,
-            [&](std::size_t begin, std::size_t end) {
-                float m = 0.0F;
-                for (std::size_t i = begin; i < end; ++i)
-                    for (std::size_t k = 0; k < 3; ++k)
-                        if (std::isfinite(raw_colors_[i][k])) m = std::max(m, raw_colors_[i][k]);
-                return static_cast<double>(m);
-            },
-            [](double a, double b) { return std::max(a, b); });
-        const bool has_floats = is_float(type_of((*color_)[0]));
-        double scale = 65535.0;
-        if (has_floats && max <= kUnitColorMax)
-            scale = 1.0;
-        else if (max <= 255.0)
-            scale = 255.0;
-        else if (max > 65535.0)
-            scale = max;
-        out_.notes.push_back(fmt::format("colours are {} from 0 to {:.9g}",
-                                         has_floats ? "floats" : "integers", scale));
-        parallel_for(context, raw_colors_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const Vec3d c = vec_cast<double>(raw_colors_[i]) / scale;
-                out_.rows.colors[i] = {to_16bit(c.x), to_16bit(c.y), to_16bit(c.z)};
-            }
-        });
-        raw_colors_ = {};
-    }
-
-    void finish_radii() {
-        const auto num_bad = std::count(out_.rows.radii.begin(), out_.rows.radii.end(), 0.0F);
-        if (num_bad > 0)
-            out_.notes.push_back(
-                fmt::format("{} radii are not positive: taken as unknown", num_bad));
-    }
-
-    /// A channel `weight` is the points' weight if every value can be one.
-    void finish_weights() {
-        std::vector<Channel>& channels = out_.rows.channels;
-        const auto found = std::find_if(channels.begin(), channels.end(),
-                                        [](const Channel& c) { return lower(c.name) == "weight"; });
-        if (found == channels.end() || !std::all_of(found->data.begin(), found->data.end(),
-                                                    [](float w) { return w > 0.0F && w <= 1.0F; }))
-            return;
-        out_.rows.weights = std::move(found->data);
-        channels.erase(found);
-    }
-
-    const PlyElement& element_;
-    const std::string& path_;
-    std::vector<bool> taken_;              ///< per property: has a role
-    std::vector<std::size_t> properties_;  ///< property of each column to read
-    std::optional<Triple> position_, color_, harmonic_, normal_, sensor_, axis_u_, axis_v_;
-    std::optional<std::size_t> radius_, area_;
-    std::vector<std::size_t> channels_;  ///< column of each channel
-    std::vector<Vec3f> raw_colors_;      ///< until their scale is known
-    PlyPoints out_;
+/// The scalar properties of an element, as columns of a table.
+struct ScalarProperties {
+    std::vector<TableColumn> columns;
+    std::vector<std::size_t> properties;  ///< of each column
+    std::string lists;                    ///< names of those that are none
 };
+
+ScalarProperties scalar_properties(const PlyElement& element) {
+    ScalarProperties found;
+    for (std::size_t i = 0; i < element.properties.size(); ++i) {
+        const PlyProperty& p = element.properties[i];
+        if (p.is_list()) {
+            found.lists += (found.lists.empty() ? "" : ", ") + p.name;
+            continue;
+        }
+        found.columns.push_back({p.name, p.type});
+        found.properties.push_back(i);
+    }
+    return found;
+}
 
 }  // namespace
 
-PlyPoints read_ply_points(const PlyBody& body, const PlyHeader& header, std::size_t element,
+PointRows read_ply_points(const PlyBody& body, const PlyHeader& header, std::size_t element,
                           const std::string& path, const Context& context) {
-    return PointReader(header, element, path).read(body, element, context);
+    if (has_packed_splats(header.elements[element]))
+        return read_packed_splats(body, header, element, path, context);
+    ScalarProperties scalars = scalar_properties(header.elements[element]);
+    PointTable table(std::move(scalars.columns), path, "element 'vertex' has no scalar property");
+    table.allocate(header.elements[element].count);
+    std::vector<std::size_t> properties;
+    for (const std::size_t column : table.wanted())
+        properties.push_back(scalars.properties[column]);
+    body.read(element, properties, context, [&](const PlyBlock& block) {
+        TableBlock columns{block.first_row, block.num_rows, {}};
+        for (const PlyColumn& column : block.columns) columns.columns.emplace_back(column.values);
+        table.store(columns);
+    });
+    PointRows rows = table.finish(context);
+    if (SplatShapes shapes; take_shapes(rows.cloud, shapes, context))
+        make_surfels(rows, shapes, context);
+    if (!scalars.lists.empty())
+        rows.notes.push_back("list properties of 'vertex' ignored: " + scalars.lists);
+    return rows;
 }
 
 }  // namespace pointbake

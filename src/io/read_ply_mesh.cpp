@@ -91,8 +91,8 @@ TexturedMesh read_ply_mesh(std::span<const std::byte> bytes, const std::filesyst
         fail(ErrorCode::kInvalidInput,
              "{}: the file holds no faces (elements 'vertex' and 'face'); a mesh is wanted", name);
     const PlyBody body(bytes, header, std::max(*points, *face_element) + 1, name, context);
-    PlyPoints read = read_ply_points(body, header, *points, name, context);
-    std::vector<Index> same_index(read.rows.size());
+    PointRows read = read_ply_points(body, header, *points, name, context);
+    std::vector<Index> same_index(read.cloud.size());
     std::iota(same_index.begin(), same_index.end(), Index{0});
     PlyFaces faces = read_ply_faces(body, header, *face_element, same_index, true, context);
     if (faces.num_bad > 0)
@@ -100,10 +100,10 @@ TexturedMesh read_ply_mesh(std::span<const std::byte> bytes, const std::filesyst
             faces.num_bad);
 
     TexturedMesh mesh;
-    mesh.mesh.positions = std::move(read.rows.positions);
-    mesh.mesh.colors = std::move(read.rows.colors);
+    mesh.mesh.positions = std::move(read.cloud.positions);
+    mesh.mesh.colors = std::move(read.cloud.colors);
     mesh.mesh.triangles = std::move(faces.triangles);
-    add_uvs(faces, read.rows.channels, mesh);
+    add_uvs(faces, read.cloud.channels, mesh);
     TextureFiles textures(path.parent_path(), context);
     add_materials(texture_files(header, path), faces, textures, mesh);
     return finish_mesh(std::move(mesh), name);

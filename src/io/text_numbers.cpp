@@ -30,6 +30,22 @@ double out_of_range(std::string_view word) {
 
 }  // namespace
 
+std::vector<std::string_view> cut_text(std::string_view text, char line_end) {
+    constexpr std::size_t kBytes = std::size_t{1} << 18;
+    std::vector<std::string_view> parts;
+    while (!text.empty()) {
+        std::size_t size = text.size();
+        if (size > kBytes) {
+            const void* end = std::memchr(text.data() + kBytes, line_end, size - kBytes);
+            if (end != nullptr)
+                size = static_cast<std::size_t>(static_cast<const char*>(end) - text.data()) + 1;
+        }
+        parts.push_back(text.substr(0, size));
+        text.remove_prefix(size);
+    }
+    return parts;
+}
+
 bool TextLines::next() {
     while (!rest_.empty()) {
         const void* end = std::memchr(rest_.data(), line_end_, rest_.size());

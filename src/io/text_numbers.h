@@ -2,8 +2,12 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 namespace pointbake {
+
+/// A text in pieces of whole lines, about a quarter megabyte each, for several threads.
+std::vector<std::string_view> cut_text(std::string_view text, char line_end);
 
 /// The lines of a text that are neither blank nor begin with "comment" or "obj_info".
 class TextLines {

@@ -27,6 +27,7 @@ Json to_json(const LoadReport& r) {
             {"points", r.num_kept},
             {"defects",
              {{"non_finite", r.num_non_finite},
+              {"left_out", r.num_left_out},
               {"merged", r.num_merged},
               {"zero_normals", r.num_zero_normals},
               {"bad_faces", r.num_bad_faces}}},

@@ -178,11 +178,8 @@ void write_points(const PointCloud& cloud, std::span<const std::uint8_t> off_sur
     const bool as_uint = entries.empty() || fit_32_bits(entries.back().row);
 
     PlyHeader header;
-    for (const DropReason reason :
-         {DropReason::kKept, DropReason::kMerged, DropReason::kNonFinite, DropReason::kOffSurface,
-          DropReason::kOutlier, DropReason::kFloating, DropReason::kCropped,
-          DropReason::kSubsampled})
-        header.comment(fmt::format("reason {} {}", static_cast<int>(reason), to_string(reason)));
+    for (int i = 0; i < kNumDropReasons; ++i)
+        header.comment(fmt::format("reason {} {}", i, to_string(static_cast<DropReason>(i))));
     header.element("vertex", entries.size());
     header.properties(as_double ? "double" : "float", {"x", "y", "z"});
     header.property(as_uint ? "uint" : "double", "row");

@@ -38,7 +38,7 @@ struct ProgramRun {
     long peak_kilobytes = 0;
 };
 
-/// A program that is running; its folder is `folder`.
+/// A program that is running; its folder is `folder`. A file `stdin` there is its standard input.
 class RunningProgram {
  public:
     /// blocks: largest file it may write, in units of 512 bytes; 0 = no limit.

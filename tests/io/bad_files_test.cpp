@@ -136,7 +136,7 @@ TEST(BadFiles, HeadersNameTheirLine) {
     expect_error(
         header("binary_little_endian", "element vertex 1\nproperty uint packed_position\n") +
             "0000",
-        ErrorCode::kUnsupported, "compressed Gaussian splats");
+        code, "1 compressed splats need 1 rows of 'chunk' before them, but there are 0");
 }
 
 TEST(BadFiles, OtherKindsAreNamed) {

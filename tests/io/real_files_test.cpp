@@ -81,6 +81,54 @@ TEST(RealFiles, CountsOfScansAreRight) {
     }
 }
 
+// Counts as Open3D 0.16 and NumPy read them; those of splats by a script of their formats.
+TEST(RealFiles, OtherFormatsReadAsOtherProgramsDo) {
+    if (!fs::exists(data_folder() / "colored_points"))
+        GTEST_SKIP() << "no test data in " << data_folder()
+                     << "; POINTBAKE_DATA names another folder";
+    struct Counts {
+        const char* name;
+        std::uint64_t rows, points, left_out;
+        bool has_colors, has_normals, has_sensors;
+    };
+    for (const Counts& c :
+         {Counts{"colored_points/o3d_fragment.pcd", 113662, 113662, 0, true, true, false},
+          Counts{"colored_points/pcl_table_mug.pcd", 307200, 209280, 0, true, false, true},
+          Counts{"scans/pcl_room_scan1.pcd", 112586, 56159, 0, false, false, false},
+          Counts{"scans/pcl_biwi_face.pcd", 100000, 100000, 0, false, false, false},
+          Counts{"loaders/loadersgl_simple-ascii.pcd", 213, 213, 0, true, false, false},
+          Counts{"loaders/pdal_autzen-utm.pcd", 1065, 1065, 0, true, false, false},
+          Counts{"loaders/pdal_utm17_comma.pcd", 10, 10, 0, false, false, false},
+          Counts{"scans/bunnyData.pts", 30571, 30571, 0, false, false, false},
+          Counts{"scans/cgal_cube.pwn", 50000, 50000, 0, false, true, false},
+          Counts{"scans/cgal_kitten.xyz", 5210, 5210, 0, false, true, false},
+          Counts{"loaders/ripple_ripple.txt", 10201, 10201, 0, true, true, false},
+          Counts{"loaders/ripple_ripple.pts", 10201, 10201, 0, true, false, false},
+          Counts{"loaders/trimesh_points_cloudcompare.xyz", 101, 101, 0, true, false, false},
+          Counts{"loaders/pdal_utm17_3.txt", 11, 10, 1, false, false, false},
+          Counts{"loaders/pdal_quoted.txt", 9, 9, 0, false, false, false},
+          Counts{"loaders/pdal_1.2-with-color.ptx", 1065, 1065, 0, true, false, false},
+          Counts{"loaders/pdal_complex-transform.ptx", 12, 4, 8, true, false, false},
+          Counts{"gaussians/biker.spz", 152746, 92821, 59847, true, true, false},
+          Counts{"gaussians/biker.compressed.ply", 152746, 93148, 59590, true, true, false},
+          Counts{"gaussians/lastchance.splat", 14007, 7512, 6495, true, true, false},
+          Counts{"gaussians/train_1000_3dgs.ply", 1000, 653, 347, true, true, false}}) {
+        SCOPED_TRACE(c.name);
+        const LoadResult result = load_cloud(data_folder() / c.name);
+        EXPECT_EQ(result.report.num_rows, c.rows);
+        EXPECT_EQ(result.report.num_kept, c.points);
+        EXPECT_EQ(result.report.num_left_out, c.left_out);
+        EXPECT_EQ(!result.cloud.colors.empty(), c.has_colors);
+        EXPECT_EQ(!result.cloud.normals.empty(), c.has_normals);
+        EXPECT_EQ(!result.cloud.sensors.empty(), c.has_sensors);
+    }
+    // Its counts are 4444 and 10014.
+    EXPECT_EQ(error_of([&] { load_cloud(data_folder() / "loaders/ripple_ripple.ptx"); }).code(),
+              ErrorCode::kInvalidInput);
+    EXPECT_EQ(error_of([&] { load_cloud(data_folder() / "loaders/vtk_cactus.3337.pts"); }).code(),
+              ErrorCode::kInvalidInput);
+}
+
 TEST(RealFiles, TexturedMeshesRead) {
     if (!fs::exists(data_folder() / "textured"))
         GTEST_SKIP() << "no test data in " << data_folder()

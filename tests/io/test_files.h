@@ -48,6 +48,18 @@ inline LoadResult load_bytes(const std::string& bytes, const Context& context = 
     return load_cloud(folder.write("cloud.ply", bytes), {}, context);
 }
 
+/// A file of that name; options as given.
+inline LoadResult load_as(const std::string& name, const std::string& bytes,
+                          const LoadOptions& options = {}, const Context& context = {}) {
+    const TempFolder folder;
+    return load_cloud(folder.write(name, bytes), options, context);
+}
+
+inline bool has_note(const LoadResult& result, const std::string& part) {
+    return std::any_of(result.report.notes.begin(), result.report.notes.end(),
+                       [&](const std::string& note) { return note.find(part) != note.npos; });
+}
+
 /// The error that `call` throws; fails the test if it throws none.
 template <class Call>
 Error error_of(Call&& call) {
@@ -58,6 +70,15 @@ Error error_of(Call&& call) {
     }
     ADD_FAILURE() << "no error";
     return {ErrorCode::kOutput, ""};
+}
+
+/// Fails the test unless reading these bytes throws such an error.
+inline void expect_load_error(const std::string& name, const std::string& bytes, ErrorCode code,
+                              const std::string& part, const LoadOptions& options = {}) {
+    const Error error = error_of([&] { load_as(name, bytes, options); });
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+        << error.what() << "\nwants: " << part;
 }
 
 inline const char* const kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};

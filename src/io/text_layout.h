@@ -1,0 +1,69 @@
+// What the columns of a text table are. Such files have no magic word: a table is what has lines of
+// at least three numbers.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/text_rows.h"
+
+namespace pointbake {
+
+struct TextLayout {
+    char line_end = '\n';
+    std::size_t begin = 0;  ///< of the rows: behind the byte order mark and the header line
+    std::size_t end = std::string_view::npos;
+    std::size_t num_columns = 0;
+    std::vector<bool> is_number;     ///< per column
+    std::string header;              ///< the line that may hold names; empty = none
+    std::vector<std::string> names;  ///< per column, if the header fits them and names x, y and z
+};
+
+/// Looks at the first lines. Nothing if they are no table. Throws Error{kInvalidInput} for decimal
+/// commas, naming file and line.
+std::optional<TextLayout> find_text_layout(std::string_view text, const std::string& path);
+
+/// What is known of the values of a table's columns; the same for any order of adding.
+class ColumnStats {
+ public:
+    explicit ColumnStats(std::size_t num_columns);
+
+    /// Rows whose first column is NaN do not count.
+    void add(std::span<const std::vector<double>> columns);
+    void add(const ColumnStats& other);
+
+    bool is_whole(std::size_t column) const { return columns_[column].is_whole; }
+    bool is_constant(std::size_t column) const {
+        return columns_[column].min == columns_[column].max;
+    }
+    /// Three columns from `first` on: all integers from 0 to 255, or all in [0, 1].
+    bool is_color(std::size_t first) const;
+    /// All of length 1 as far as a few digits tell, or zero.
+    bool is_normal(std::size_t first) const;
+
+ private:
+    struct Column {
+        bool is_whole = true;
+        double min, max;
+        bool is_unit = true;  ///< with the two columns after it: length 1 or 0
+        bool is_zero = true;  ///< likewise: length 0
+    };
+    bool has_triple(std::size_t first) const { return first + 3 <= columns_.size(); }
+
+    std::vector<Column> columns_;
+};
+
+/// Names for the columns of a table without a header, by their number and ranges.
+/// `intensity_first`: of x y z i r g b and x y z r g b a, which both fit, the first is meant.
+std::vector<std::string> names_by_content(const ColumnStats& stats, std::size_t num_columns,
+                                          bool intensity_first);
+
+/// "x,y,z,-,red" as names; "-" becomes an empty one. Throws Error{kInvalidOption} unless x, y and z
+/// are there and no name is twice.
+std::vector<std::string> parse_columns(std::string_view text);
+
+}  // namespace pointbake

@@ -1,0 +1,227 @@
+// std::from_chars does not depend on the locale and rounds correctly.
+#include "io/text_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include "core/parallel.h"
+#include "io/text_numbers.h"
+
+namespace pointbake {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+bool is_separator(char c) { return c == ',' || c == ';'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+/// Which of the wanted columns each field goes to.
+constexpr std::size_t kUnwanted = ~std::size_t{0};
+std::vector<std::size_t> places_of(std::size_t num_columns, std::span<const std::size_t> wanted) {
+    std::vector<std::size_t> places(num_columns, kUnwanted);
+    for (std::size_t k = 0; k < wanted.size(); ++k) places[wanted[k]] = k;
+    return places;
+}
+
+/// Reads one row into the columns, which are as long as the block. Returns what is wrong with it.
+std::string_view read_row(std::string_view line, std::span<const std::size_t> places,
+                          std::size_t row, std::vector<std::vector<double>>& columns) {
+    Fields fields(line);
+    for (const std::size_t place : places) {
+        if (fields.at_end()) return "too few columns";
+        if (place == kUnwanted)
+            fields.word();
+        else if (!fields.number(columns[place][row]))
+            return "text that is no number";
+    }
+    return fields.at_end() ? std::string_view{} : "too many columns";
+}
+
+}  // namespace
+
+void Fields::skip_blanks() {
+    while (at_ != end_ && is_blank(*at_)) ++at_;
+}
+
+void Fields::skip_separator() {
+    skip_blanks();
+    if (at_ == end_ || !is_separator(*at_)) return;
+    ++at_;
+    skip_blanks();
+}
+
+/// At most 15 digits and no exponent. Both the digits as a whole number and the power of ten are
+/// doubles then, and their quotient is rounded once: the same bits as from_chars, sooner.
+bool Fields::short_number(double& value) {
+    constexpr std::array<double, 16> kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                             1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    const char* p = at_;
+    const bool is_negative = p != end_ && *p == '-';
+    p += is_negative;
+    std::uint64_t digits = 0;
+    const char* const begin = p;
+    while (p != end_ && is_digit(*p)) digits = digits * 10 + static_cast<std::uint64_t>(*p++ - '0');
+    std::ptrdiff_t num_digits = p - begin, num_behind = 0;
+    if (p != end_ && *p == '.') {
+        const char* const point = p++;
+        while (p != end_ && is_digit(*p))
+            digits = digits * 10 + static_cast<std::uint64_t>(*p++ - '0');
+        num_behind = p - point - 1;
+        num_digits += num_behind;
+    }
+    if (num_digits == 0 || num_digits >= std::ssize(kPowers)) return false;
+    if (!(p == end_ || is_blank(*p) || is_separator(*p))) return false;
+    const double size = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(num_behind)];
+    value = is_negative ? -size : size;
+    at_ = p;
+    skip_separator();
+    return true;
+}
+
+bool Fields::number(double& value) {
+    if (short_number(value)) return true;
+    if (at_ != end_ && is_separator(*at_)) {
+        value = kNone;
+        skip_separator();
+        return true;
+    }
+    const auto [stop, error] = std::from_chars(at_, end_, value);
+    if (error != std::errc{} || !(stop == end_ || is_blank(*stop) || is_separator(*stop)))
+        return odd_number(value);
+    at_ = stop;
+    skip_separator();
+    return true;
+}
+
+bool Fields::odd_number(double& value) {
+    NumberReader reader(word());
+    return reader.next(value) && reader.at_end();
+}
+
+std::string_view Fields::word() {
+    const char* begin = at_;
+    if (at_ != end_ && *at_ == '"') {
+        const void* quote = std::memchr(at_ + 1, '"', static_cast<std::size_t>(end_ - at_ - 1));
+        if (quote != nullptr) {
+            const std::string_view inside(begin + 1, static_cast<const char*>(quote));
+            at_ = static_cast<const char*>(quote) + 1;
+            skip_separator();
+            return inside;
+        }
+    }
+    while (at_ != end_ && !is_blank(*at_) && !is_separator(*at_)) ++at_;
+    const std::string_view found(begin, at_);
+    skip_separator();
+    return found;
+}
+
+bool is_text_comment(std::string_view line) {
+    const std::size_t begin = line.find_first_not_of(" \t");
+    return begin != std::string_view::npos && (line[begin] == '#' || line.substr(begin, 2) == "//");
+}
+
+bool is_text_count(std::string_view line) {
+    line = trimmed(line);
+    return !line.empty() && std::all_of(line.begin(), line.end(), is_digit);
+}
+
+bool is_text_row(std::string_view line) {
+    line = trimmed(line);
+    if (line.empty() || line.front() == '#' || line.substr(0, 2) == "//") return false;
+    return !is_text_count(line);
+}
+
+std::string_view take_line(std::string_view& text, char line_end) {
+    const void* end = std::memchr(text.data(), line_end, text.size());
+    const std::size_t size =
+        end == nullptr ? text.size()
+                       : static_cast<std::size_t>(static_cast<const char*>(end) - text.data());
+    const std::string_view line = text.substr(0, size);
+    text.remove_prefix(end == nullptr ? size : size + 1);
+    return trimmed(line);
+}
+
+TextRows::TextRows(std::string_view text, char line_end, const Context& context)
+    : text_(text), line_end_(line_end) {
+    for (const std::string_view part : cut_text(text, line_end)) chunks_.push_back({part});
+    parallel_chunks(context, chunks_.size(), [&](std::size_t i) {
+        Chunk& chunk = chunks_[i];
+        for (std::string_view rest = chunk.text; !rest.empty();) {
+            const std::string_view line = take_line(rest, line_end_);
+            if (is_text_row(line)) {
+                ++chunk.num_rows;
+            } else if (is_text_count(line)) {
+                double count = 0.0;
+                NumberReader(line).next(count);
+                chunk.promised += count;
+            }
+        }
+    });
+    for (Chunk& chunk : chunks_) {
+        chunk.first_row = num_rows_;
+        num_rows_ += chunk.num_rows;
+        promised_ += chunk.promised;
+    }
+}
+
+std::size_t TextRows::byte_of_row(std::size_t row) const {
+    for (const Chunk& chunk : chunks_) {
+        if (row >= chunk.first_row + chunk.num_rows) continue;
+        std::size_t at = chunk.first_row;
+        for (std::string_view rest = chunk.text; !rest.empty();) {
+            const char* begin = rest.data();
+            if (is_text_row(take_line(rest, line_end_)) && at++ == row)
+                return static_cast<std::size_t>(begin - text_.data());
+        }
+    }
+    return text_.size();
+}
+
+void TextRows::read(std::size_t num_columns, std::span<const std::size_t> wanted,
+                    const Context& context,
+                    const std::function<void(const TextBlock&)>& body) const {
+    const std::vector<std::size_t> places = places_of(num_columns, wanted);
+    parallel_chunks(context, chunks_.size(), [&](std::size_t index) {
+        const Chunk& chunk = chunks_[index];
+        TextBlock block{index, chunk.first_row, chunk.num_rows, {}, {}};
+        block.columns.assign(wanted.size(), std::vector<double>(chunk.num_rows));
+        std::size_t row = 0;
+        for (std::string_view rest = chunk.text; !rest.empty();) {
+            const std::string_view line = take_line(rest, line_end_);
+            if (!is_text_row(line)) continue;
+            const std::string_view problem = read_row(line, places, row, block.columns);
+            if (!problem.empty()) {
+                for (std::vector<double>& column : block.columns) column[row] = kNone;
+                block.bad.push_back({block.first_row + row, line, problem});
+            }
+            ++row;
+        }
+        body(block);
+    });
+}
+
+std::size_t line_of_byte(std::string_view text, std::size_t byte, char line_end) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
+    return 1 + static_cast<std::size_t>(std::count(text.begin(), end, line_end));
+}
+
+char line_end_of(std::string_view text) {
+    constexpr std::size_t kLookAt = std::size_t{1} << 16;
+    const std::string_view begin = text.substr(0, kLookAt);
+    const bool is_old_mac =
+        begin.find('\n') == std::string_view::npos && begin.find('\r') != std::string_view::npos;
+    return is_old_mac ? '\r' : '\n';
+}
+
+}  // namespace pointbake
