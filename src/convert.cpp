@@ -206,6 +206,32 @@ ReconstructOptions reconstruction_for(const ConvertOptions& options, const Point
     return out;
 }
 
+// Oriented without a surface, as the implicit method wants them.
+void orient_normals(ConvertResult& result, const ConvertOptions& options, const Context& context) {
+    result.cloud =
+        refine_attributes(std::move(result.cloud), {}, options.attributes, context).cloud;
+}
+
+// What was asked to be watertight and encloses next to nothing (a sheet) is closed by the implicit
+// method, which goes around it.
+ReconstructResult reconstructed(ConvertResult& result, const ConvertOptions& options,
+                                const Context& context) {
+    ReconstructOptions how = reconstruction_for(options, result.cloud);
+    if (needs_normals(how)) orient_normals(result, options, context);
+    try {
+        return reconstruct(result.cloud, how, context);
+    } catch (const Error& error) {
+        const bool may_differ = how.method == Method::kAuto && how.surface == Surface::kWatertight;
+        if (!may_differ || error.code() != ErrorCode::kDegenerate) throw;
+        log(context, LogLevel::kInfo, "reconstruct: {}: the implicit method instead", error.what());
+    }
+    orient_normals(result, options, context);
+    how.method = Method::kImplicit;
+    ReconstructResult closed = reconstruct(result.cloud, how, context);
+    closed.report.reason += "; Tight Cocone would enclose next to nothing";
+    return closed;
+}
+
 // Where the surface is given, what is asked for beside it would not be done.
 void check_given(const ConvertInput& input, const ConvertOptions& options) {
     const auto refuse = [&](std::string_view option) {
@@ -287,14 +313,8 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
         return result;
     }
     if (!stages.run(Stage::kReconstruct, [&] {
-            if (!is_given && needs_normals(options.reconstruct))
-                result.cloud =
-                    refine_attributes(std::move(result.cloud), {}, options.attributes, context)
-                        .cloud;
             ReconstructResult surface =
-                is_given
-                    ? given_mesh(input)
-                    : reconstruct(result.cloud, reconstruction_for(options, result.cloud), context);
+                is_given ? given_mesh(input) : reconstructed(result, options, context);
             result.dense = std::move(surface.surface);
             result.report.reconstruct = surface.report;
             estimate_unsure_normals(result, surface.unsure_normals, options.attributes, context);

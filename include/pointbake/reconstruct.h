@@ -88,7 +88,8 @@ struct ReconstructResult {
 /// normals (`cloud.given_normals`) if they agree, else outwards. Coplanar clouds give a flat open
 /// mesh. Deterministic for any number of threads and any order of the points. Near linear time,
 /// about 1.2 kB per point. Throws Error{kDegenerate} for fewer than 3 distinct or for collinear
-/// points, and where the points span no surface of the kind that is asked for.
+/// points, and where the points span no surface of the kind that is asked for; with Method::kAuto also
+/// where a watertight one would lose most of what was found.
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
                               const Context& context = {});
 

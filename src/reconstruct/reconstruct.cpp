@@ -38,10 +38,13 @@ constexpr std::string_view kStage = "reconstruct";
 constexpr double kMaxAdded = 0.15;
 // ... and left out at most this share of what Cocone found (double walls, hidden sheets).
 constexpr double kMaxLost = 0.05;
+// ... but where a closed one was asked for it may lose more.
+constexpr double kMostLost = 0.5;
 // Points nearer to each other than this share of the spacing do not both become vertices: a
 // multiple of the noise, from duplicates up to half a spacing.
 constexpr double kNearestPerNoise = 25.0, kLeastNearest = 0.02, kMostNearest = 0.5;
-// What smooth parts of the surface may lose by thinning, in spacings; or the noise, if that is more.
+// What smooth parts of the surface may lose by thinning, in spacings; or the noise, if that is
+// more.
 constexpr double kTolerance = 0.02;
 
 bool is_closing(Method method) {
@@ -262,6 +265,11 @@ class Stage {
         if (closed.facets.empty())
             fail(ErrorCode::kDegenerate,
                  "the points enclose nothing: no watertight surface; use --surface open");
+        if (options_.method == Method::kAuto && d.lost > kMostLost)
+            fail(ErrorCode::kDegenerate,
+                 "a watertight surface through the points would lose {:.1f} % of what was found; "
+                 "use --surface open",
+                 100 * d.lost);
         report_.surface = Surface::kWatertight;
         report_.method = is_robust_ ? Method::kRobustCocone : Method::kTightCocone;
         if (is_robust_)

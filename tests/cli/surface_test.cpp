@@ -121,6 +121,39 @@ struct TwoDensities {
     }
 };
 
+// Both sides of a sheet are outside: Tight Cocone encloses nothing of it.
+TEST(Watertight, SheetsAreClosedByTheImplicitMethod) {
+    TemporaryFolder folder;
+    std::vector<Vec3d> points;
+    for (std::uint64_t i = 0; i < 6000; ++i) {
+        const double x = random_unit(1, 2 * i), y = random_unit(1, 2 * i + 1);
+        points.push_back({x, y, 0.02 * x * x});
+    }
+    folder.write("in.ply", ascii_ply(points));
+    const ProgramRun run =
+        run_program(folder, {"in.ply", "-o", "out.ply", "--surface", "watertight", "--stop-after",
+                             "simplify", "--report", "-"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Json report = Json::parse(run.out);
+    EXPECT_EQ(report["reconstruct"]["method"], "implicit") << report["reconstruct"];
+    EXPECT_EQ(report["reconstruct"]["boundary_loops"], 0);
+    EXPECT_LT(report["simplify"]["points_off_surface"].get<double>(), 600.0);
+}
+
+TEST(Thin, KeepsToAShareOfTheGeometryBound) {
+    TemporaryFolder folder;
+    folder.write("in.ply", ascii_ply(egg_points(40000)));
+    const auto num_vertices = [&](const char* bound) {
+        const ProgramRun run =
+            run_program(folder, {"in.ply", "-o", "out.ply", "--geometry-error", bound,
+                                 "--stop-after", "reconstruct", "--report", "-"});
+        EXPECT_EQ(run.exit_code, 0) << run.err;
+        return run.exit_code == 0 ? Json::parse(run.out)["reconstruct"]["vertices"].get<int>() : 0;
+    };
+    EXPECT_LT(num_vertices("1%"), 36000);
+    EXPECT_EQ(num_vertices("0.001%"), 40000);
+}
+
 TEST(Density, DoesNotShapeTheMesh) {
     TwoDensities clouds;
     clouds.even = egg_points(40000);
