@@ -212,23 +212,22 @@ void orient_normals(ConvertResult& result, const ConvertOptions& options, const 
         refine_attributes(std::move(result.cloud), {}, options.attributes, context).cloud;
 }
 
-// What was asked to be watertight and encloses next to nothing (a sheet) is closed by the implicit
-// method, which goes around it.
+// Where Tight Cocone would enclose too little the implicit method goes around the points.
 ReconstructResult reconstructed(ConvertResult& result, const ConvertOptions& options,
                                 const Context& context) {
     ReconstructOptions how = reconstruction_for(options, result.cloud);
     if (needs_normals(how)) orient_normals(result, options, context);
+    double lost = 0.0;
     try {
         return reconstruct(result.cloud, how, context);
-    } catch (const Error& error) {
-        const bool may_differ = how.method == Method::kAuto && how.surface == Surface::kWatertight;
-        if (!may_differ || error.code() != ErrorCode::kDegenerate) throw;
-        log(context, LogLevel::kInfo, "reconstruct: {}: the implicit method instead", error.what());
+    } catch (const TooLittleEnclosed& error) {
+        lost = error.lost_area_fraction;
     }
     orient_normals(result, options, context);
     how.method = Method::kImplicit;
     ReconstructResult closed = reconstruct(result.cloud, how, context);
-    closed.report.reason += "; Tight Cocone would enclose next to nothing";
+    closed.report.reason +=
+        fmt::format("; Tight Cocone would lose {:.1f} % of what was found", 100 * lost);
     return closed;
 }
 

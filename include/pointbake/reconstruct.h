@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pointbake/context.h"
+#include "pointbake/error.h"
 #include "pointbake/options.h"
 #include "pointbake/types.h"
 
@@ -81,6 +82,13 @@ struct ReconstructResult {
     ReconstructReport report;
 };
 
+/// Sheets enclose next to nothing: the implicit method, which wants normals, goes around them.
+class TooLittleEnclosed : public Error {
+ public:
+    explicit TooLittleEnclosed(double lost);
+    double lost_area_fraction;  ///< of what Cocone found
+};
+
 /// Open: Cocone with boundary detection [Amenta02, Dey01], walked into oriented 2-manifold pieces
 /// with borders. Watertight: Tight Cocone [Dey03], split by index into a closed, oriented
 /// 2-manifold with positive volume; Robust Cocone [Dey06] does so over the outer points of noise
@@ -88,8 +96,8 @@ struct ReconstructResult {
 /// normals (`cloud.given_normals`) if they agree, else outwards. Coplanar clouds give a flat open
 /// mesh. Deterministic for any number of threads and any order of the points. Near linear time,
 /// about 1.2 kB per point. Throws Error{kDegenerate} for fewer than 3 distinct or for collinear
-/// points, and where the points span no surface of the kind that is asked for; with Method::kAuto also
-/// where a watertight one would lose most of what was found.
+/// points, and where the points span no surface of the kind that is asked for; with Method::kAuto
+/// TooLittleEnclosed where a watertight one would lose most of what was found.
 ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
                               const Context& context = {});
 

@@ -1,8 +1,7 @@
-// Orientation by the surface's outward side; then areas and tangent axes from each point's cell among
-// its neighbours, as the k nearest ones fill a round ball and say nothing about the spacing along and
-// across scan lines.
+// Orientation by the surface's outward side; then areas and tangent axes from each point's cell
+// among its neighbours, as the k nearest ones fill a round ball and say nothing about the spacing
+// along and across scan lines.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "attributes/spacing.h"
@@ -132,11 +131,9 @@ void measure_cells_in_place(PointCloud& cloud, const Context& context) {
     std::vector<double> areas(cloud.size());
     std::vector<TangentAxes> axes(cloud.size());
     const auto measure = [&](std::size_t begin, std::size_t end) {
-        std::array<Neighbor, kCellNeighbors> buffer;
         std::size_t num_stretched = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            const TangentCell cell = tangent_cell(cloud, static_cast<Index>(i),
-                                                  tree.nearest(cloud.positions[i], buffer));
+            const TangentCell cell = tangent_cell(cloud, static_cast<Index>(i), tree);
             areas[i] = cell.area;
             const Stretch s = stretch_of(cell);
             axes[i].u =

@@ -1,21 +1,24 @@
 #include "attributes/tangent_cell.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace pointbake {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
-// A regular polygon whose corners are as far as its area's square root times this: with eight
-// corners its sides are a spacing away.
+// Most cells are known from few neighbours; scan lines 16 times farther apart than their points
+// need the many.
+constexpr std::size_t kFewNeighbors = 25, kManyNeighbors = 64;
 constexpr std::size_t kSides = 8;
-constexpr std::size_t kMostCorners = kSides + kCellNeighbors;
+constexpr std::size_t kMostCorners = kSides + kManyNeighbors;
 
 class Polygon {
  public:
+    /// A regular octagon.
     explicit Polygon(double inradius) {
-        // Corners at 22.5 degrees and so on.
         const double near = inradius, far = inradius * 0.41421356237309503;
         corners_ = {Vec2d{near, far},   Vec2d{far, near},   Vec2d{-far, near}, Vec2d{-near, far},
                     Vec2d{-near, -far}, Vec2d{-far, -near}, Vec2d{far, -near}, Vec2d{near, -far}};
@@ -69,30 +72,71 @@ class Polygon {
     std::size_t size_ = 0;
 };
 
+class CellCutter {
+ public:
+    CellCutter(const PointCloud& cloud, Index i)
+        : cloud_(cloud), point_(i), facing_(cloud.normals[i]) {
+        const Vec3d normal = vec_cast<double>(facing_);
+        const Vec3d helper =
+            std::fabs(normal.x) < 0.5 ? Vec3d{1.0, 0.0, 0.0} : Vec3d{0.0, 1.0, 0.0};
+        cell_.u = normalized(cross(normal, helper));
+        cell_.v = cross(normal, cell_.u);
+    }
+
+    /// The cell, if no farther point can cut it.
+    bool cut_closed(std::span<const Neighbor> found) {
+        Polygon polygon(std::sqrt(found.back().squared_distance));
+        cut(polygon, found);
+        polygon.measure(cell_);
+        return 4.0 * polygon.farthest2() <= found.back().squared_distance;
+    }
+
+    void cut_open(std::span<const Neighbor> found) {
+        std::size_t count = 0;
+        for (const Neighbor& n : found) count += is_of_this_sheet(n) ? 1 : 0;
+        const double area = kPi * found.back().squared_distance /
+                            static_cast<double>(std::max<std::size_t>(count, 1));
+        Polygon polygon(std::sqrt(area));
+        cut(polygon, found);
+        polygon.measure(cell_);
+    }
+
+    const TangentCell& cell() const { return cell_; }
+
+ private:
+    bool is_of_this_sheet(const Neighbor& n) const {
+        return n.squared_distance > 0.0 && !(dot(facing_, cloud_.normals[n.index]) < 0.0F);
+    }
+
+    void cut(Polygon& polygon, std::span<const Neighbor> found) const {
+        for (const Neighbor& n : found) {
+            if (n.squared_distance > 4.0 * polygon.farthest2()) return;
+            if (!is_of_this_sheet(n)) continue;
+            const Vec3d d = cloud_.positions[n.index] - cloud_.positions[point_];
+            const Vec2d q{dot(d, cell_.u), dot(d, cell_.v)};
+            const double flat2 = dot(q, q);
+            if (flat2 > 0.0) polygon.cut(q * std::sqrt(n.squared_distance / flat2));
+        }
+    }
+
+    const PointCloud& cloud_;
+    Index point_;
+    Vec3f facing_;
+    TangentCell cell_;
+};
+
 }  // namespace
 
-TangentCell tangent_cell(const PointCloud& cloud, Index i, std::span<const Neighbor> neighbors) {
-    TangentCell cell;
-    const Vec3f facing = cloud.normals[i];
-    const Vec3d normal = vec_cast<double>(facing), p = cloud.positions[i];
-    const double radius2 = neighbors.back().squared_distance;
-    if (!(radius2 > 0.0) || facing == Vec3f{}) return cell;
-    const Vec3d helper = std::fabs(normal.x) < 0.5 ? Vec3d{1.0, 0.0, 0.0} : Vec3d{0.0, 1.0, 0.0};
-    cell.u = normalized(cross(normal, helper));
-    cell.v = cross(normal, cell.u);
-    const double spacing = std::sqrt(kPi * radius2 / static_cast<double>(neighbors.size() - 1));
-    Polygon polygon(spacing);
-    for (const Neighbor& n : neighbors) {
-        if (n.index == i || n.squared_distance == 0.0) continue;
-        if (n.squared_distance > 4.0 * polygon.farthest2()) break;
-        if (dot(facing, cloud.normals[n.index]) < 0.0F) continue;
-        const Vec3d d = cloud.positions[n.index] - p;
-        const Vec2d q{dot(d, cell.u), dot(d, cell.v)};
-        const double flat2 = dot(q, q);
-        if (flat2 > 0.0) polygon.cut(q * std::sqrt(n.squared_distance / flat2));
-    }
-    polygon.measure(cell);
-    return cell;
+TangentCell tangent_cell(const PointCloud& cloud, Index i, const KdTree& tree) {
+    if (cloud.normals[i] == Vec3f{}) return {};
+    std::array<Neighbor, kManyNeighbors> buffer;
+    auto found = tree.nearest(cloud.positions[i], std::span(buffer).first(kFewNeighbors));
+    if (!(found.back().squared_distance > 0.0)) return {};
+    CellCutter cutter(cloud, i);
+    if (cutter.cut_closed(found)) return cutter.cell();
+    found = tree.nearest(cloud.positions[i], buffer);
+    if (!cutter.cut_closed(found)) cutter.cut_open(found);
+    return cutter.cell();
 }
 
 }  // namespace pointbake

@@ -1,8 +1,6 @@
 // The part of the surface that is nearer to a point than to its neighbours.
 #pragma once
 
-#include <span>
-
 #include "core/kdtree.h"
 #include "pointbake/types.h"
 
@@ -15,12 +13,11 @@ struct TangentCell {
     Vec3d u, v;  ///< orthonormal, in the tangent plane
 };
 
-/// Neighbours that a cell is cut with, the point itself among them.
-inline constexpr std::size_t kCellNeighbors = 25;
-
-/// The Voronoi cell of point i among its neighbours, ordered by distance, laid into its tangent
-/// plane at the distances that they have in space; neighbours that face the other way are another
-/// sheet's. No farther from the point than one spacing, where nothing ends it. O(neighbours).
-TangentCell tangent_cell(const PointCloud& cloud, Index i, std::span<const Neighbor> neighbors);
+/// The Voronoi cell of point i in its tangent plane, its neighbours laid into the plane at the
+/// distances that they have in space; neighbours that face the other way are another sheet's.
+/// `tree` is over the cloud's positions. The 24 nearest are asked, the 63 nearest where farther
+/// ones may cut the cell, too. Where these leave it open (a border) it ends one spacing from the
+/// point. Nothing for points without a normal. O(log n).
+TangentCell tangent_cell(const PointCloud& cloud, Index i, const KdTree& tree);
 
 }  // namespace pointbake

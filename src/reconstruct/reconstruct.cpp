@@ -262,14 +262,11 @@ class Stage {
         report_.reason = reason(d, is_closed) + fmt::format("; {} of {} points are poor",
                                                             labels.num_poor, tets_.num_real());
         if (wanted_ == Surface::kAuto && !is_closed) return;
+        if (options_.method == Method::kAuto && (closed.facets.empty() || d.lost > kMostLost))
+            throw TooLittleEnclosed(closed.facets.empty() ? 1.0 : d.lost);
         if (closed.facets.empty())
             fail(ErrorCode::kDegenerate,
                  "the points enclose nothing: no watertight surface; use --surface open");
-        if (options_.method == Method::kAuto && d.lost > kMostLost)
-            fail(ErrorCode::kDegenerate,
-                 "a watertight surface through the points would lose {:.1f} % of what was found; "
-                 "use --surface open",
-                 100 * d.lost);
         report_.surface = Surface::kWatertight;
         report_.method = is_robust_ ? Method::kRobustCocone : Method::kTightCocone;
         if (is_robust_)
@@ -373,6 +370,13 @@ void complete(ReconstructResult& result, std::size_t num_points, const Context& 
 }
 
 }  // namespace
+
+TooLittleEnclosed::TooLittleEnclosed(double lost)
+    : Error(ErrorCode::kDegenerate,
+            fmt::format("a watertight surface through the points would lose {:.1f} % of what was "
+                        "found; use --method implicit or --surface open",
+                        100 * lost)),
+      lost_area_fraction(lost) {}
 
 bool is_available(Method method) {
     return method == Method::kAuto || method == Method::kImplicit || has_delaunay();

@@ -33,7 +33,7 @@ Rivals gather_rivals(std::size_t num_points,
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t before = found.size();
             append(static_cast<Index>(i), found);
-            rivals.begin[i + 1] = static_cast<Index>(found.size() - before);
+            rivals.begin[i + 1] = found.size() - before;
         }
     });
     std::partial_sum(rivals.begin.begin(), rivals.begin.end(), rivals.begin.begin());

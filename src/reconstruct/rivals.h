@@ -13,7 +13,7 @@ namespace pointbake {
 
 /// Per point the others that cannot stay beside it; mutual.
 struct Rivals {
-    std::vector<Index> begin;  ///< one more than there are points
+    std::vector<std::size_t> begin;  ///< one more than there are points
     std::vector<Index> list;
 
     std::span<const Index> of(Index point) const {

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/hash.h"
+
 namespace pointbake {
 namespace {
 
@@ -23,25 +25,24 @@ void add_lattice(PointCloud& cloud, double a, double b, double angle, double hei
 }
 
 TangentCell cell_of(const PointCloud& cloud, Index i) {
-    const KdTree tree(cloud.positions);
-    std::array<Neighbor, kCellNeighbors> buffer;
-    return tangent_cell(cloud, i, tree.nearest(cloud.positions[i], buffer));
+    return tangent_cell(cloud, i, KdTree(cloud.positions));
 }
 
 TEST(TangentCell, OfALatticeIsItsRectangleHoweverItIsTurned) {
-    constexpr double kA = 0.3, kB = 0.1, kArea = kA * kB;
-    for (const double angle : {0.0, 0.5, 2.0}) {
+    for (const auto& [a, b, angle] :
+         {std::array{0.1, 0.1, 0.0}, {0.3, 0.1, 0.5}, {0.8, 0.1, 2.0}, {1.6, 0.1, 1.0}}) {
+        const double area = a * b;
         PointCloud cloud;
-        add_lattice(cloud, kA, kB, angle, 0.0, 1.0F);
+        add_lattice(cloud, a, b, angle, 0.0, 1.0F);
         const TangentCell cell = cell_of(cloud, 0);
-        EXPECT_NEAR(cell.area, kArea, 1e-12);
+        EXPECT_NEAR(cell.area, area, 1e-12);
         // Second moments along the lattice's own axes.
         const Vec3d along{std::cos(angle), std::sin(angle), 0.0};
         const double x = dot(along, cell.u), y = dot(along, cell.v);
-        EXPECT_NEAR(x * x * cell.uu + 2.0 * x * y * cell.uv + y * y * cell.vv,
-                    kArea * kA * kA / 12.0, 1e-12);
-        EXPECT_NEAR(y * y * cell.uu - 2.0 * x * y * cell.uv + x * x * cell.vv,
-                    kArea * kB * kB / 12.0, 1e-12);
+        EXPECT_NEAR(x * x * cell.uu + 2.0 * x * y * cell.uv + y * y * cell.vv, area * a * a / 12.0,
+                    1e-12);
+        EXPECT_NEAR(y * y * cell.uu - 2.0 * x * y * cell.uv + x * x * cell.vv, area * b * b / 12.0,
+                    1e-12);
     }
 }
 
@@ -78,6 +79,27 @@ TEST(TangentCell, IsNotCutByASheetThatFacesTheOtherWay) {
         } else {
             EXPECT_LT(area, 0.008);  // two scans of one surface
         }
+    }
+}
+
+TEST(TangentCell, OfRandomPointsSumToTheArea) {
+    // One sheet, and two that face apart and are nearer to each other than the points of either.
+    for (const int sheets : {1, 2}) {
+        PointCloud cloud;
+        for (std::uint64_t i = 0; i < 4000; ++i) {
+            const bool is_lower = sheets == 2 && i % 2 == 1;
+            cloud.positions.push_back(
+                {random_unit(3, 2 * i), random_unit(3, 2 * i + 1), is_lower ? -1e-3 : 0.0});
+            cloud.normals.push_back({0.0F, 0.0F, is_lower ? -1.0F : 1.0F});
+        }
+        const KdTree tree(cloud.positions);
+        double sum = 0.0;
+        for (Index i = 0; i < cloud.size(); ++i) {
+            const Vec3d p = cloud.positions[i];
+            if (std::max(std::fabs(p.x - 0.5), std::fabs(p.y - 0.5)) < 0.4)
+                sum += tangent_cell(cloud, i, tree).area;
+        }
+        EXPECT_NEAR(sum, sheets * 0.64, 0.01 * sheets * 0.64);
     }
 }
 

@@ -122,7 +122,7 @@ TEST(ThinSmooth, KeepsFewOfAPlaneAndAllOfItsBorder) {
     const std::vector<Vec3d> points = shapes::plane_cloud(kSide, kSide, 1.0, 0.3).positions;
     const std::vector<Index> kept = thin(points, {.tolerance = 0.02}, {});
     EXPECT_LT(kept.size(), points.size() / 4);
-    // Three rounds: each draws points at least twice as far apart as those before.
+    // Three rounds; points drawn two spacings apart at least are 2.4 spacings apart or so.
     EXPECT_GT(coarsest(points, kept, 1.0), 8.0);
     EXPECT_LT(coarsest(points, kept, 1.0), 16.0);
     std::vector<std::uint8_t> is_kept(points.size(), 0);
