@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,7 +16,8 @@ namespace pointbake {
 
 struct TextLayout {
     char line_end = '\n';
-    std::size_t begin = 0;  ///< of the rows: behind the byte order mark and the header line
+    TextSyntax syntax;
+    std::size_t begin = 0;  ///< of the rows: behind the header line
     std::size_t end = std::string_view::npos;
     std::size_t num_columns = 0;
     std::vector<bool> is_number;     ///< per column
@@ -32,27 +34,38 @@ class ColumnStats {
  public:
     explicit ColumnStats(std::size_t num_columns);
 
-    /// Rows whose first column is NaN do not count.
-    void add(std::span<const std::vector<double>> columns);
+    /// Rows whose first column is NaN do not count. `has_point`: per column, whether a number was
+    /// written with a point.
+    void add(std::span<const std::vector<double>> columns, std::span<const std::uint8_t> has_point);
     void add(const ColumnStats& other);
 
-    bool is_whole(std::size_t column) const { return columns_[column].is_whole; }
+    /// Whole numbers, and not 0.0 and 1.0, which are of a scale from 0 to 1.
+    bool is_whole(std::size_t column) const {
+        return columns_[column].is_whole && !is_whole_unit(column);
+    }
     bool is_constant(std::size_t column) const {
         return columns_[column].min == columns_[column].max;
     }
     /// Three columns from `first` on: all integers from 0 to 255, or all in [0, 1].
     bool is_color(std::size_t first) const;
-    /// All of length 1 as far as a few digits tell, or zero.
+    /// All of length 1 as far as a few digits tell, or zero. 1.0 0.0 0.0 and 0.0 1.0 0.0 in turn
+    /// are colours of classes, rather.
     bool is_normal(std::size_t first) const;
 
  private:
     struct Column {
         bool is_whole = true;
+        bool has_point = false;
         double min, max;
         bool is_unit = true;  ///< with the two columns after it: length 1 or 0
         bool is_zero = true;  ///< likewise: length 0
     };
     bool has_triple(std::size_t first) const { return first + 3 <= columns_.size(); }
+    /// Nothing but 0.0 and 1.0.
+    bool is_whole_unit(std::size_t column) const {
+        const Column& c = columns_[column];
+        return c.is_whole && c.has_point && c.min >= 0.0 && c.max <= 1.0;
+    }
 
     std::vector<Column> columns_;
 };
