@@ -93,7 +93,9 @@ class TextReader {
     /// Per column of the file.
     std::vector<std::string> names_of(const ColumnStats& stats) const {
         const std::vector<std::string> found =
-            names_by_content(stats, numbers_.size(), extension_ == ".pts");
+            names_by_content(stats, numbers_.size(),
+                             {.has_intensity_first = extension_ == ".pts",
+                              .has_normals = extension_ == ".xyzn" || extension_ == ".pwn"});
         std::vector<std::string> names(layout_.num_columns);
         for (std::size_t k = 0; k < numbers_.size(); ++k) names[numbers_[k]] = found[k];
         return names;

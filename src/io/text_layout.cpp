@@ -377,27 +377,34 @@ bool ColumnStats::is_color(std::size_t first) const {
 }
 
 bool ColumnStats::is_normal(std::size_t first) const {
-    if (!has_triple(first) || !columns_[first].is_unit || columns_[first].is_zero) return false;
-    const auto is_class = [&](std::size_t k) { return is_whole_unit(k); };
-    const std::array<std::size_t, 3> columns{first, first + 1, first + 2};
-    return !std::all_of(columns.begin(), columns.end(), is_class) ||
-           std::all_of(columns.begin(), columns.end(),
-                       [&](std::size_t k) { return is_constant(k); });
+    return has_triple(first) && columns_[first].is_unit && !columns_[first].is_zero;
+}
+
+bool ColumnStats::is_class_color(std::size_t first) const {
+    if (!is_normal(first)) return false;
+    bool is_one = true;  // direction only, as of a plane
+    for (std::size_t k = first; k < first + 3; ++k) {
+        if (!is_whole_unit(k)) return false;
+        is_one = is_one && is_constant(k);
+    }
+    return !is_one;
 }
 
 std::vector<std::string> names_by_content(const ColumnStats& stats, std::size_t num_columns,
-                                          bool intensity_first) {
+                                          const TextHints& hints) {
     std::vector<std::string> names = {"x", "y", "z"};
     const auto is_triple = [&](std::size_t k) { return stats.is_normal(k) || stats.is_color(k); };
     // One column more than threes: before or behind them.
     const bool has_odd = num_columns > 3 && num_columns % 3 == 1;
     const bool is_behind =
-        is_triple(3) && (!is_triple(4) || (!intensity_first && stats.is_constant(num_columns - 1)));
+        is_triple(3) &&
+        (!is_triple(4) || (!hints.has_intensity_first && stats.is_constant(num_columns - 1)));
     if (has_odd && !is_behind) names.emplace_back("intensity");
     bool has_normals = false, has_colors = false;
     while (names.size() < num_columns) {
         const std::size_t k = names.size();
-        if (!has_normals && stats.is_normal(k)) {
+        const bool is_color = !hints.has_normals && !has_colors && stats.is_class_color(k);
+        if (!has_normals && !is_color && stats.is_normal(k)) {
             names.insert(names.end(), {"nx", "ny", "nz"});
             has_normals = true;
         } else if (!has_colors && stats.is_color(k)) {

@@ -48,9 +48,10 @@ class ColumnStats {
     }
     /// Three columns from `first` on: all integers from 0 to 255, or all in [0, 1].
     bool is_color(std::size_t first) const;
-    /// All of length 1 as far as a few digits tell, or zero. 1.0 0.0 0.0 and 0.0 1.0 0.0 in turn
-    /// are colours of classes, rather.
+    /// All of length 1 as far as a few digits tell, or zero.
     bool is_normal(std::size_t first) const;
+    /// What might be normals, too, but is 1.0 0.0 0.0, 0.0 1.0 0.0 and 0.0 0.0 1.0 in turn.
+    bool is_class_color(std::size_t first) const;
 
  private:
     struct Column {
@@ -70,10 +71,15 @@ class ColumnStats {
     std::vector<Column> columns_;
 };
 
+/// What the name of a file tells about its columns, where several fit.
+struct TextHints {
+    bool has_intensity_first = false;  ///< x y z i r g b, not x y z r g b a
+    bool has_normals = false;          ///< nx ny nz, not the colours of classes
+};
+
 /// Names for the columns of a table without a header, by their number and ranges.
-/// `intensity_first`: of x y z i r g b and x y z r g b a, which both fit, the first is meant.
 std::vector<std::string> names_by_content(const ColumnStats& stats, std::size_t num_columns,
-                                          bool intensity_first);
+                                          const TextHints& hints);
 
 /// "x,y,z,-,red" as names; "-" becomes an empty one. Throws Error{kInvalidOption} unless x, y and z
 /// are there and no name is twice.

@@ -312,7 +312,9 @@ TEST(Text, ColorsOfWholeFloatsAreFloats) {
     }
     const PointCloud bytes = load_as("a.csv", "0.5,0,0,255.0,1.0,0.0\n1.5,1,1,7.0,2.0,0.0\n").cloud;
     EXPECT_EQ(bytes.colors[point_of_row(bytes, 0)], rgb16_from_8bit(255, 1, 0));
-    // A plane's normals
+    // A plane's normals, and those of a file that should have some
+    EXPECT_FALSE(
+        load_as("a.xyzn", "0.5 0 0 1.0 0.0 0.0\n1 1 0 0.0 0.0 1.0\n").cloud.normals.empty());
     EXPECT_FALSE(
         load_as("a.xyz", "0.5 0 0 0.0 0.0 1.0\n1 1 0 0.0 0.0 1.0\n").cloud.normals.empty());
 }
