@@ -227,7 +227,7 @@ class Sample {
         const bool is_comment = is_text_comment(line.text);
         if (rows_.empty() && names_coordinates(header_names(line.text))) {
             headers_.emplace_back(line.text);
-            if (!is_comment && !has_header_line_) layout_.begin = line.next;
+            if (!is_comment && num_bad_ == 0) layout_.begin = line.next;
             has_header_line_ = has_header_line_ || !is_comment;
             return;
         }

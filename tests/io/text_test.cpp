@@ -255,6 +255,9 @@ TEST(Text, TheFirstLineThatNamesCoordinatesIsTheHeader) {
         EXPECT_EQ(result.report.num_left_out, 0U);
         EXPECT_TRUE(has_note(result, "columns are z,y,x, by the header"));
     }
+    const LoadResult prose = load_as("a.csv", "these are x y z and more\nz y x\n1.5 2 3\n5 6 7\n");
+    EXPECT_TRUE(has_note(prose, "columns are z,y,x, by the header"));
+    EXPECT_EQ(prose.report.num_left_out, 0U);
     // Of two headers the one that fits
     EXPECT_TRUE(has_note(load_as("a.csv", "# x y z in metres\nz,y,x,i\n1.5,2,3,4\n5,6,7,8\n"),
                          "columns are z,y,x,i, by the header"));
