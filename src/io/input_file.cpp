@@ -30,6 +30,11 @@ void check_ratio(std::size_t num_unpacked, std::size_t num_packed, const std::st
          num_packed, num_unpacked);
 }
 
+/// Some writers pad with zeros.
+bool is_padding(std::span<const std::byte> rest) {
+    return std::all_of(rest.begin(), rest.end(), [](std::byte b) { return b == std::byte{}; });
+}
+
 /// Closes zlib's stream on every way out.
 struct GzipStream {
     z_stream z{};
@@ -102,9 +107,13 @@ ByteBuffer unpack_gzip(std::span<const std::byte> bytes, const std::string& name
         check_ratio(out.bytes().size(), bytes.size(), name);
         if (status == Z_STREAM_END) {
             const std::span<const std::byte> rest = bytes.subspan(num_read);
-            // Some writers pad with zeros.
-            if (std::all_of(rest.begin(), rest.end(), [](std::byte b) { return b == std::byte{}; }))
+            if (is_padding(rest)) return out;
+            // gzip says so, too, and goes on.
+            if (!is_gzip(rest)) {
+                log(context, LogLevel::kWarning,
+                    "{}: {} bytes behind the gzip data are none and ignored", name, rest.size());
                 return out;
+            }
             if (inflateReset(&z) != Z_OK) throw std::bad_alloc();
             continue;
         }
@@ -123,6 +132,9 @@ ByteBuffer unpack_zstd(std::span<const std::byte> bytes, const std::string& name
     const std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)> stream(ZSTD_createDStream(),
                                                                                ZSTD_freeDStream);
     if (!stream) throw std::bad_alloc();
+    // Packed with --long, up to the largest window of the format.
+    constexpr int kMostWindowLog = 31;
+    ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax, kMostWindowLog);
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     for (;;) {
         check_cancelled(context);
@@ -133,8 +145,9 @@ ByteBuffer unpack_zstd(std::span<const std::byte> bytes, const std::string& name
         if (ZSTD_isError(status))
             fail(ErrorCode::kInvalidInput, "{}: byte {}: the zstd data are damaged ({})", name,
                  in.pos, ZSTD_getErrorName(status));
+        // 0: the frame has ended. A further call would ask for the next one's header.
+        if (status == 0 && is_padding(bytes.subspan(in.pos))) return out;
         if (in.pos < in.size || step.pos == step.size) continue;
-        if (status == 0) return out;
         fail(ErrorCode::kInvalidInput, "{}: the zstd data are cut off at byte {}", name,
              bytes.size());
     }
@@ -154,6 +167,8 @@ InputFile::InputFile(const std::filesystem::path& path, const Context& context) 
         is_gzip(bytes_) ? unpack_gzip(bytes_, name, context) : unpack_zstd(bytes_, name, context);
     bytes_ = buffer_.bytes();
     file_.reset();
+    if (is_gzip(bytes_) || is_zstd(bytes_))
+        fail(ErrorCode::kUnsupported, "{}: is packed twice; unpack it once by hand", name);
 }
 
 std::string kind_extension(const std::filesystem::path& path) {

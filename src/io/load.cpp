@@ -25,19 +25,28 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-/// What a file is that is not read, if its first bytes tell.
+/// What a file is that is not read, if its first bytes tell; else nothing.
 std::string_view kind_of(std::string_view text) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kKinds{{
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kKinds{{
         {"LASF", "a LAS or LAZ file"},
         {"ASTM-E57", "an E57 file"},
         {"PK\x03\x04", "a zip archive"},
-        {"\xef\xbb\xbf", "text that begins with a UTF-8 byte order mark; save it without"},
         {"\xff\xfe", "text in UTF-16; save it as UTF-8"},
         {"\xfe\xff", "text in UTF-16; save it as UTF-8"},
     }};
     for (const auto& [magic, kind] : kKinds)
         if (text.starts_with(magic)) return kind;
-    return "of an unknown kind (it does not begin with 'ply')";
+    return {};
+}
+
+/// Without the mark of UTF-8 that editors put in front of text. A .splat is told by its name alone
+/// and may begin with anything.
+Bytes without_mark(Bytes bytes, const std::filesystem::path& path) {
+    constexpr std::string_view kMark = "\xef\xbb\xbf";
+    if (kind_extension(path) == ".splat") return bytes;
+    const bool has_mark = std::ranges::equal(std::as_bytes(std::span(kMark)),
+                                             bytes.first(std::min(bytes.size(), kMark.size())));
+    return has_mark ? bytes.subspan(kMark.size()) : bytes;
 }
 
 std::string_view first_bytes(Bytes bytes) {
@@ -54,10 +63,41 @@ bool is_gltf(std::string_view text) {
     return begin != std::string_view::npos && text[begin] == '{';
 }
 
+LoadResult read_stl_points(Bytes bytes, const std::filesystem::path& path, const Context& context) {
+    const StlFile file = read_stl(bytes, path, context);
+    LoadResult result = vertices_as_points(file.mesh, "STL", path, context);
+    LoadReport& report = result.report;
+    report.num_bad_faces += file.num_bad_facets;
+    report.notes.insert(report.notes.end(), file.notes.begin(), file.notes.end());
+    return result;
+}
+
+[[noreturn]] void fail_unknown(Bytes bytes, const std::filesystem::path& path) {
+    const std::string_view kind = kind_of(first_bytes(bytes));
+    if (kind.empty() && is_text_extension(kind_extension(path))) {
+        constexpr std::size_t kLookAt = std::size_t{1} << 16;
+        const std::size_t zero = all_text(bytes).substr(0, kLookAt).find('\0');
+        if (zero != std::string_view::npos)
+            fail(ErrorCode::kInvalidInput,
+                 "{}: byte {} is zero, which text has not: it is a binary file, or in UTF-16, or "
+                 "damaged",
+                 path.string(), zero);
+        fail(ErrorCode::kInvalidInput,
+             "{}: the first lines are no table: rows of at least three numbers are wanted, with "
+             "blanks, commas or semicolons between them",
+             path.string());
+    }
+    fail(
+        ErrorCode::kUnsupported,
+        "{}: is {}; points are read from PLY, PCD, PTX, OFF, SPZ, splat and tables of text, and as "
+        "vertices from OBJ, STL, GLB and glTF",
+        path.string(), kind.empty() ? "of an unknown kind (it does not begin with 'ply')" : kind);
+}
+
 LoadResult read_any(const std::filesystem::path& path, const LoadOptions& options,
                     const Context& context) {
     const InputFile file(path, context);
-    const Bytes bytes = file.bytes();
+    const Bytes bytes = without_mark(file.bytes(), path);
     if (bytes.empty())
         fail(ErrorCode::kInvalidInput, "{}: the file is empty; points are wanted", path.string());
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
@@ -71,21 +111,13 @@ LoadResult read_any(const std::filesystem::path& path, const LoadOptions& option
     const std::string_view text = all_text(bytes);
     if (is_off(text)) return read_off(text, path, context);
     if (is_stl(bytes) || kind_extension(path) == ".stl")
-        return vertices_as_points(read_stl(bytes, path, context), "STL", path, context);
+        return read_stl_points(bytes, path, context);
     // A PTX whose first header is damaged must not pass for a table.
     if (is_ptx(text) || kind_extension(path) == ".ptx") return read_ptx(text, path, context);
-    if (const std::optional<TextLayout> layout = find_text_layout(text, path.string()))
-        return read_text(text, *layout, path, options, context);
-    if (is_text_extension(kind_extension(path)))
-        fail(ErrorCode::kInvalidInput,
-             "{}: the first lines are no table: rows of at least three numbers are wanted, with "
-             "blanks, commas or semicolons between them",
-             path.string());
-    fail(
-        ErrorCode::kUnsupported,
-        "{}: is {}; points are read from PLY, PCD, PTX, OFF, SPZ, splat and tables of text, and as "
-        "vertices from OBJ, STL, GLB and glTF",
-        path.string(), kind_of(first_bytes(bytes)));
+    const std::string_view table = text.substr(0, text.find_last_not_of('\0') + 1);  // padded
+    if (const std::optional<TextLayout> layout = find_text_layout(table, path.string()))
+        return read_text(table, *layout, path, options, context);
+    fail_unknown(bytes, path);
 }
 
 }  // namespace
@@ -104,7 +136,7 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
 TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context) {
     check_cancelled(context);
     const InputFile file(path, context);
-    const Bytes bytes = file.bytes();
+    const Bytes bytes = without_mark(file.bytes(), path);
     if (bytes.empty())
         fail(ErrorCode::kInvalidInput,
              "{}: the file is empty; an OBJ, GLB, glTF, PLY, OFF or STL is wanted", path.string());
@@ -113,7 +145,12 @@ TexturedMesh load_mesh(const std::filesystem::path& path, const Context& context
     if (is_obj(bytes)) return read_obj(bytes, path, context);
     if (is_off(all_text(bytes)))
         return faces_as_mesh(read_off(all_text(bytes), path, context), path);
-    if (is_stl(bytes) || kind_extension(path) == ".stl") return read_stl(bytes, path, context);
+    if (is_stl(bytes) || kind_extension(path) == ".stl") {
+        StlFile stl = read_stl(bytes, path, context);
+        for (const std::string& note : stl.notes)
+            log(context, LogLevel::kWarning, "{}: {}", path.string(), note);
+        return std::move(stl.mesh);
+    }
     fail(ErrorCode::kUnsupported,
          "{}: neither OBJ, GLB, glTF, PLY, OFF nor STL, which are the meshes read", path.string());
 }

@@ -15,6 +15,7 @@
 namespace pointbake {
 namespace {
 
+constexpr TextSyntax kSyntax{.ends_at_hash = true};
 constexpr std::size_t kLinesPerPoll = std::size_t{1} << 16;
 
 /// [ST][C][N][4][n]OFF
@@ -74,15 +75,20 @@ class OffReader {
     }
 
     LoadResult read() {
-        const TextRows rows(body_, source_.line_end, context_);
+        const TextRows rows(body_, source_.line_end, context_, kSyntax);
         check_count("vertices", num_vertices_, rows.num_rows());
-        check_count("faces", num_faces_, rows.num_rows() - num_vertices_);
+        const std::size_t num_there = rows.num_rows() - num_vertices_;
+        check_count("faces", num_faces_, num_there);
         if (num_vertices_ == 0)
             fail(ErrorCode::kEmpty, "{}: the file holds 0 points", source_.name);
         const std::size_t cut = rows.byte_of_row(num_vertices_);
         FinishedCloud finished =
             finish_cloud(read_vertices(body_.substr(0, cut)), "OFF", source_.name, context_);
         add_faces(body_.substr(cut), finished);
+        if (num_there > num_faces_)
+            finished.result.report.notes.push_back(
+                fmt::format("{} behind the {} promised ignored",
+                            counted(num_there - num_faces_, "line"), counted(num_faces_, "face")));
         return std::move(finished.result);
     }
 
@@ -122,14 +128,20 @@ class OffReader {
     PointRows read_vertices(std::string_view part) const {
         TextLayout layout;
         layout.line_end = source_.line_end;
+        layout.syntax = kSyntax;
         layout.begin = static_cast<std::size_t>(part.data() - source_.text.data());
         layout.end = layout.begin + part.size();
-        for (Fields fields(next_row(part)); !fields.at_end(); fields.word()) ++layout.num_columns;
+        for (Fields fields(without_comment(next_row(part))); !fields.at_end(); fields.word())
+            ++layout.num_columns;
         if (layout.num_columns < 3)
             fail(ErrorCode::kInvalidInput, "{}: three coordinates are wanted", source_.place(part));
         layout.is_number.assign(layout.num_columns, true);
         layout.names = vertex_names(keyword_, layout.num_columns);
         return read_text_points(source_.text, layout, path_, {}, context_);
+    }
+
+    static std::string_view without_comment(std::string_view line) {
+        return line.substr(0, line.find('#'));
     }
 
     std::string_view next_row(std::string_view rest) const {
@@ -149,7 +161,7 @@ class OffReader {
             if (!is_text_row(line)) continue;
             if (i++ % kLinesPerPoll == 0) check_cancelled(context_);
             const std::size_t num_before = mesh.triangles.size();
-            if (read_corners(line, finished.point_of_row, corners))
+            if (read_corners(without_comment(line), finished.point_of_row, corners))
                 for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
                     const Triangle t{corners[0], corners[k], corners[k + 1]};
                     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) mesh.triangles.push_back(t);
@@ -168,11 +180,13 @@ class OffReader {
         corners.clear();
         Fields fields(line);
         double count = 0.0;
-        if (!fields.number(count) || !(count >= 3.0)) return false;
+        if (!fields.number(count) || !(count >= 3.0) || count != std::floor(count)) return false;
         for (double k = 0.0; k < count; ++k) {
             double value = 0.0;
             if (fields.at_end() || !fields.number(value)) return false;
-            if (!(value >= 0.0 && value < static_cast<double>(point_of_row.size()))) return false;
+            if (!(value >= 0.0 && value < static_cast<double>(point_of_row.size())) ||
+                value != std::floor(value))
+                return false;
             const Index point = point_of_row[static_cast<std::size_t>(value)];
             if (point == kInvalidIndex) return false;
             corners.push_back(point);

@@ -253,8 +253,9 @@ bool is_pcd(std::span<const std::byte> bytes) {
     while (!text.empty()) {
         const std::string_view line = take_line(text, '\n');
         if (line.empty() || line.front() == '#') continue;
-        return line.starts_with("VERSION ") || line.starts_with("FIELDS ") ||
-               line.starts_with("COLUMNS ");
+        const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+        return word.size() < line.size() &&
+               (word == "VERSION" || word == "FIELDS" || word == "COLUMNS");
     }
     return false;
 }

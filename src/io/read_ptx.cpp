@@ -17,7 +17,7 @@
 namespace pointbake {
 namespace {
 
-constexpr std::size_t kHeaderRows = 8;  // after the two counts
+constexpr std::size_t kCountRows = 2, kHeaderRows = 8;  // one after the other
 
 struct Scan {
     std::string_view text;  ///< of its points
@@ -109,7 +109,7 @@ class PtxReader {
             const std::string_view begin = rest;
             std::optional<Scan> scan = take_header(rest, source_.line_end);
             if (!scan) fail_header(begin);
-            row += kHeaderRows;
+            row += kCountRows + kHeaderRows;
             if (scan->num_points > all.num_rows() - row)
                 fail(ErrorCode::kInvalidInput,
                      "{}: the header of scan {} promises {} points, but lines are there for only "
@@ -119,12 +119,7 @@ class PtxReader {
             const auto n = static_cast<std::size_t>(scan->num_points);
             row += n;
             const auto from = static_cast<std::size_t>(rest.data() - source_.text.data());
-            std::size_t to = from;
-            if (n > 0) {
-                std::string_view last = source_.text.substr(all.byte_of_row(row - 1));
-                take_line(last, source_.line_end);
-                to = source_.text.size() - last.size();
-            }
+            const std::size_t to = end_of_rows(rest, n, row, all);
             scan->text = source_.text.substr(from, to - from);
             scan->first_row = num_points_;
             num_points_ += n;
@@ -134,6 +129,19 @@ class PtxReader {
             scans_.push_back(*scan);
         }
         if (scans_.empty()) fail(ErrorCode::kEmpty, "{}: the file holds 0 points", source_.name);
+    }
+
+    /// Where `n` rows end that `rest` begins with; `row` is the one behind them. Few are walked
+    /// over, many are looked up.
+    std::size_t end_of_rows(std::string_view rest, std::size_t n, std::size_t row,
+                            const TextRows& all) const {
+        constexpr std::size_t kFew = 4096;
+        if (n > kFew) {
+            rest = source_.text.substr(all.byte_of_row(row - 1));
+            n = 1;
+        }
+        while (n > 0) n -= is_text_row(take_line(rest, source_.line_end));
+        return static_cast<std::size_t>(rest.data() - source_.text.data());
     }
 
     [[noreturn]] void fail_header(std::string_view at) const {

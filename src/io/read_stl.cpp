@@ -3,10 +3,12 @@
 #include "io/read_stl.h"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/finish_cloud.h"
 #include "io/mesh_builder.h"
 #include "io/number_type.h"
 #include "io/text_rows.h"
@@ -54,14 +56,23 @@ bool is_text(Bytes bytes) {
     return false;
 }
 
-Index add_corner(Mesh& mesh, Vec3d corner, const std::string& name) {
-    if (mesh.positions.size() >= kInvalidIndex - 1)
+/// A facet of three corners or more becomes a fan of triangles; fewer, or one that is not finite,
+/// make it a bad one.
+void add_facet(std::span<const Vec3d> corners, StlFile& file, const std::string& name) {
+    Mesh& mesh = file.mesh.mesh;
+    if (corners.size() < 3 || !std::all_of(corners.begin(), corners.end(), is_finite<double>)) {
+        ++file.num_bad_facets;
+        return;
+    }
+    if (corners.size() >= kInvalidIndex - mesh.positions.size())
         fail(ErrorCode::kLimit, "{}: more than {} corners of triangles", name, kInvalidIndex - 1);
-    mesh.positions.push_back(corner);
-    return static_cast<Index>(mesh.positions.size() - 1);
+    const auto first = static_cast<Index>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), corners.begin(), corners.end());
+    for (Index k = 1; k + 1 < corners.size(); ++k)
+        mesh.triangles.push_back({first, first + k, first + k + 1});
 }
 
-Mesh read_binary(Bytes bytes, const std::string& name, const Context& context) {
+StlFile read_binary(Bytes bytes, const std::string& name, const Context& context) {
     if (bytes.size() < kHeaderBytes)
         fail(ErrorCode::kInvalidInput, "{}: {} bytes are no STL file: its header has {}", name,
              bytes.size(), kHeaderBytes);
@@ -71,30 +82,29 @@ Mesh read_binary(Bytes bytes, const std::string& name, const Context& context) {
              "{}: the header promises {} triangles, but bytes are there for only {}: the file is "
              "cut off, or it is no STL",
              name, promised_facets(bytes), num_there);
-    Mesh mesh;
+    StlFile file;
     for (std::size_t i = 0; i < promised_facets(bytes); ++i) {
         if (i % kFacetsPerPoll == 0) check_cancelled(context);
         const std::byte* const from = bytes.data() + kHeaderBytes + i * kFacetBytes + kNormalBytes;
-        Triangle triangle{};
-        for (std::size_t c = 0; c < 3; ++c) {
-            Vec3d corner;
+        std::array<Vec3d, 3> corners;
+        for (std::size_t c = 0; c < 3; ++c)
             for (std::size_t k = 0; k < 3; ++k)
-                corner[k] = static_cast<double>(load_value<float>(from + 12 * c + 4 * k));
-            triangle[c] = add_corner(mesh, corner, name);
-        }
-        mesh.triangles.push_back(triangle);
+                corners[c][k] = static_cast<double>(load_value<float>(from + 12 * c + 4 * k));
+        add_facet(corners, file, name);
     }
-    return mesh;
+    return file;
 }
 
-Mesh read_text(std::string_view text, const std::string& name, const Context& context) {
+StlFile read_text(std::string_view text, const std::string& name, const Context& context) {
     const char line_end = line_end_of(text);
-    Mesh mesh;
-    std::vector<Index> loop;
+    StlFile file;
+    std::vector<Vec3d> loop;
+    bool is_closed = false;  // by endsolid
     std::size_t line_number = 0;
     for (std::string_view rest = text; !rest.empty();) {
         const std::string_view line = take_line(rest, line_end);
         if (++line_number % kFacetsPerPoll == 0) check_cancelled(context);
+        if (!line.empty()) is_closed = begins_with_word(line, "endsolid");
         if (begins_with_word(line, "outer")) loop.clear();
         if (begins_with_word(line, "vertex")) {
             Vec3d corner;
@@ -103,27 +113,34 @@ Mesh read_text(std::string_view text, const std::string& name, const Context& co
                 if (!fields.number(corner[k]))
                     fail(ErrorCode::kInvalidInput, "{}:{}: 'vertex' wants three numbers", name,
                          line_number);
-            loop.push_back(add_corner(mesh, corner, name));
+            loop.push_back(corner);
         }
         if (begins_with_word(line, "endloop")) {
-            for (std::size_t k = 1; k + 1 < loop.size(); ++k)
-                mesh.triangles.push_back({loop[0], loop[k], loop[k + 1]});
+            add_facet(loop, file, name);
             loop.clear();
         }
     }
-    return mesh;
+    if (!loop.empty())
+        fail(ErrorCode::kInvalidInput, "{}:{}: the file is cut off within a facet", name,
+             line_number);
+    if (!is_closed) file.notes.emplace_back("no 'endsolid' at the end: the file may be cut off");
+    return file;
 }
 
 }  // namespace
 
 bool is_stl(Bytes bytes) { return is_binary(bytes) || is_text(bytes); }
 
-TexturedMesh read_stl(Bytes bytes, const std::filesystem::path& path, const Context& context) {
+StlFile read_stl(Bytes bytes, const std::filesystem::path& path, const Context& context) {
     const std::string name = path.string();
-    TexturedMesh mesh;
-    mesh.mesh = !is_binary(bytes) && is_text(bytes) ? read_text(as_text(bytes), name, context)
-                                                    : read_binary(bytes, name, context);
-    return finish_mesh(std::move(mesh), name);
+    StlFile file = !is_binary(bytes) && is_text(bytes) ? read_text(as_text(bytes), name, context)
+                                                       : read_binary(bytes, name, context);
+    file.mesh = finish_mesh(std::move(file.mesh), name);
+    if (file.num_bad_facets > 0)
+        file.notes.push_back(
+            fmt::format("{} dropped: fewer than three corners, or coordinates that are not finite",
+                        counted(file.num_bad_facets, "facet")));
+    return file;
 }
 
 }  // namespace pointbake

@@ -25,7 +25,7 @@ class TextReader {
           extension_(kind_extension(path)),
           context_(context),
           body_(text.substr(layout.begin, layout.end - layout.begin)),
-          rows_(body_, layout.line_end, context) {
+          rows_(body_, layout.line_end, context, layout.syntax) {
         for (std::size_t k = 0; k < layout.num_columns; ++k)
             if (layout.is_number[k]) numbers_.push_back(k);
     }
@@ -69,9 +69,9 @@ class TextReader {
         ColumnStats stats(numbers_.size());
         // The first block is the sample.
         std::string_view sample = cut_sample();
-        TextRows(sample, layout_.line_end, context_)
+        TextRows(sample, layout_.line_end, context_, layout_.syntax)
             .read(layout_.num_columns, numbers_, context_,
-                  [&](const TextBlock& block) { stats.add(block.columns); });
+                  [&](const TextBlock& block) { stats.add(block.columns, block.has_point); });
         std::vector<std::string> names = names_of(stats);
         for (;;) {
             ColumnStats all(numbers_.size());
@@ -93,19 +93,30 @@ class TextReader {
     /// Per column of the file.
     std::vector<std::string> names_of(const ColumnStats& stats) const {
         const std::vector<std::string> found =
-            names_by_content(stats, numbers_.size(), extension_ == ".pts");
+            names_by_content(stats, numbers_.size(),
+                             {.has_intensity_first = extension_ == ".pts",
+                              .has_normals = extension_ == ".xyzn" || extension_ == ".pwn"});
         std::vector<std::string> names(layout_.num_columns);
         for (std::size_t k = 0; k < numbers_.size(); ++k) names[numbers_[k]] = found[k];
         return names;
     }
 
-    /// Columns with a name that hold numbers; a coordinate is read even where it seems to hold
-    /// none.
+    /// Columns with a name that hold numbers.
     std::vector<std::size_t> columns_named(const std::vector<std::string>& names) const {
         std::vector<std::size_t> columns;
         for (std::size_t k = 0; k < names.size(); ++k)
             if (!names[k].empty() && layout_.is_number[k]) columns.push_back(k);
+        for (std::size_t k = 0; k < names.size(); ++k)
+            if (!layout_.is_number[k] && is_coordinate(names[k]))
+                fail(ErrorCode::kInvalidInput,
+                     "{}: column '{}' holds no numbers in most of the first rows", source_.name,
+                     names[k]);
         return columns;
+    }
+
+    static bool is_coordinate(std::string_view name) {
+        constexpr std::string_view kNames = "xyzXYZ";
+        return name.size() == 1 && kNames.find(name[0]) != std::string_view::npos;
     }
 
     PointRows read_named(const std::vector<std::string>& names, NamedBy by,
@@ -124,7 +135,7 @@ class TextReader {
             TableBlock part{block.first_row, block.num_rows, {}};
             for (const std::size_t k : place_of_wanted) part.columns.emplace_back(block.columns[k]);
             table.store(part);
-            stats[block.index].add(block.columns);
+            stats[block.index].add(block.columns, block.has_point);
             bad.add(block);
         });
         ColumnStats sum(columns.size());
@@ -168,7 +179,7 @@ class TextReader {
         points.cloud.normals.resize(num_points);
         BadRows bad;
         const auto read_half = [&](std::string_view half, auto&& store) {
-            TextRows(half, layout_.line_end, context_)
+            TextRows(half, layout_.line_end, context_, layout_.syntax)
                 .read(3, kAll, context_, [&](const TextBlock& block) {
                     bad.add(block);
                     for (std::size_t i = 0; i < block.num_rows; ++i)

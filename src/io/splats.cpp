@@ -43,15 +43,17 @@ std::array<std::size_t, 3> by_size(const Vec3f& sigmas) {
     return order;
 }
 
+float largest(const Vec3f& v) { return std::max({v.x, v.y, v.z}); }
+
 bool is_broken(const Vec3f& sigmas, const std::array<float, 4>& rotation, float opacity) {
     double length = 0.0;
     for (const float q : rotation) length += static_cast<double>(q) * static_cast<double>(q);
-    const bool is_whole =
-        is_finite(sigmas) && std::isfinite(length) && length > 0.0 && std::isfinite(opacity);
+    // The squares are wanted later, as floats.
+    constexpr float kMostSigma = 1e18F;
+    const bool is_whole = is_finite(sigmas) && largest(sigmas) <= kMostSigma &&
+                          std::isfinite(length) && length > 0.0 && std::isfinite(opacity);
     return !is_whole || std::min({sigmas.x, sigmas.y, sigmas.z}) < 0.0F;
 }
-
-float largest(const Vec3f& v) { return std::max({v.x, v.y, v.z}); }
 
 /// What happens to each splat.
 std::vector<Fate> fates_of(const SplatShapes& shapes) {
@@ -92,7 +94,7 @@ void note_fates(const std::vector<Fate>& fates, std::vector<std::string>& notes)
     note(Fate::kLarge, fmt::format("more than {} times the median size", kMostMedians));
     note(Fate::kNeedle,
          fmt::format("needles, thinner than 1 : {}", std::lround(1.0F / kLeastNeedle)));
-    note(Fate::kBroken, "size, rotation or opacity is no number");
+    note(Fate::kBroken, "size, rotation or opacity is no number, or out of range");
 }
 
 void shape_point(PointCloud& cloud, const SplatShapes& shapes, std::size_t i) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,7 +16,8 @@ namespace pointbake {
 
 struct TextLayout {
     char line_end = '\n';
-    std::size_t begin = 0;  ///< of the rows: behind the byte order mark and the header line
+    TextSyntax syntax;
+    std::size_t begin = 0;  ///< of the rows: behind the header line
     std::size_t end = std::string_view::npos;
     std::size_t num_columns = 0;
     std::vector<bool> is_number;     ///< per column
@@ -32,11 +34,15 @@ class ColumnStats {
  public:
     explicit ColumnStats(std::size_t num_columns);
 
-    /// Rows whose first column is NaN do not count.
-    void add(std::span<const std::vector<double>> columns);
+    /// Rows whose first column is NaN do not count. `has_point`: per column, whether a number was
+    /// written with a point.
+    void add(std::span<const std::vector<double>> columns, std::span<const std::uint8_t> has_point);
     void add(const ColumnStats& other);
 
-    bool is_whole(std::size_t column) const { return columns_[column].is_whole; }
+    /// Whole numbers, and not 0.0 and 1.0, which are of a scale from 0 to 1.
+    bool is_whole(std::size_t column) const {
+        return columns_[column].is_whole && !is_whole_unit(column);
+    }
     bool is_constant(std::size_t column) const {
         return columns_[column].min == columns_[column].max;
     }
@@ -44,23 +50,36 @@ class ColumnStats {
     bool is_color(std::size_t first) const;
     /// All of length 1 as far as a few digits tell, or zero.
     bool is_normal(std::size_t first) const;
+    /// What might be normals, too, but is 1.0 0.0 0.0, 0.0 1.0 0.0 and 0.0 0.0 1.0 in turn.
+    bool is_class_color(std::size_t first) const;
 
  private:
     struct Column {
         bool is_whole = true;
+        bool has_point = false;
         double min, max;
         bool is_unit = true;  ///< with the two columns after it: length 1 or 0
         bool is_zero = true;  ///< likewise: length 0
     };
     bool has_triple(std::size_t first) const { return first + 3 <= columns_.size(); }
+    /// Nothing but 0.0 and 1.0.
+    bool is_whole_unit(std::size_t column) const {
+        const Column& c = columns_[column];
+        return c.is_whole && c.has_point && c.min >= 0.0 && c.max <= 1.0;
+    }
 
     std::vector<Column> columns_;
 };
 
+/// What the name of a file tells about its columns, where several fit.
+struct TextHints {
+    bool has_intensity_first = false;  ///< x y z i r g b, not x y z r g b a
+    bool has_normals = false;          ///< nx ny nz, not the colours of classes
+};
+
 /// Names for the columns of a table without a header, by their number and ranges.
-/// `intensity_first`: of x y z i r g b and x y z r g b a, which both fit, the first is meant.
 std::vector<std::string> names_by_content(const ColumnStats& stats, std::size_t num_columns,
-                                          bool intensity_first);
+                                          const TextHints& hints);
 
 /// "x,y,z,-,red" as names; "-" becomes an empty one. Throws Error{kInvalidOption} unless x, y and z
 /// are there and no name is twice.

@@ -21,9 +21,13 @@ bool begins_with_word(std::string_view line, std::string_view word) {
            (line.size() == word.size() || is_blank(line[word.size()]));
 }
 
-/// What from_chars leaves alone because a double cannot hold it: too small or too large.
+/// What from_chars leaves alone because a double cannot hold it: too small or too large. That is
+/// told by the exponent, and without one by the digits in front of the point.
 double out_of_range(std::string_view word) {
-    const bool is_small = word.find("e-") != word.npos || word.find("E-") != word.npos;
+    const std::size_t exponent = word.find_first_of("eE");
+    const bool is_small = exponent != word.npos ? word.substr(exponent).starts_with("e-") ||
+                                                      word.substr(exponent).starts_with("E-")
+                                                : word.find_first_of("123456789") > word.find('.');
     const double size = is_small ? 0.0 : std::numeric_limits<double>::infinity();
     return word.front() == '-' ? -size : size;
 }

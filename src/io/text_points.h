@@ -27,8 +27,8 @@ class BadRows {
     /// `base`: the row that the block's first row of all is among all rows of the file.
     void add(const TextBlock& block, std::size_t base = 0);
 
-    /// Drops them, with a note. `rows_text`: what their bytes count from. Throws
-    /// Error{kInvalidInput} naming the first if they are more than half.
+    /// Drops them, with a note. Throws Error{kInvalidInput} naming the first if they are more
+    /// than half.
     void drop_from(PointRows& rows, const TextSource& source, std::size_t num_columns);
 
  private:

@@ -34,18 +34,25 @@ std::vector<std::size_t> places_of(std::size_t num_columns, std::span<const std:
     return places;
 }
 
-/// Reads one row into the columns, which are as long as the block. Returns what is wrong with it.
-std::string_view read_row(std::string_view line, std::span<const std::size_t> places,
-                          std::size_t row, std::vector<std::vector<double>>& columns) {
-    Fields fields(line);
+/// Reads one row into the block's columns, which are as long as the block. Returns what is wrong
+/// with it. `has_empty_end`: one more empty field may be thought behind it.
+std::string_view read_row(Fields fields, std::span<const std::size_t> places, std::size_t row,
+                          bool has_empty_end, TextBlock& block) {
     for (const std::size_t place : places) {
-        if (fields.at_end()) return "too few columns";
-        if (place == kUnwanted)
+        if (fields.at_end()) {
+            if (!has_empty_end) return "too few columns";
+            has_empty_end = false;
+            if (place != kUnwanted) block.columns[place][row] = kNone;
+            continue;
+        }
+        if (place == kUnwanted) {
             fields.word();
-        else if (!fields.number(columns[place][row]))
-            return "text that is no number";
+            continue;
+        }
+        if (!fields.number(block.columns[place][row])) return "text that is no number";
+        if (fields.has_point()) block.has_point[place] = 1;
     }
-    return fields.at_end() ? std::string_view{} : "too many columns";
+    return fields.at_end() || fields.at_open_end() ? std::string_view{} : "too many columns";
 }
 
 }  // namespace
@@ -55,10 +62,18 @@ void Fields::skip_blanks() {
 }
 
 void Fields::skip_separator() {
+    is_open_ = false;
     skip_blanks();
     if (at_ == end_ || !is_separator(*at_)) return;
     ++at_;
+    is_open_ = true;
     skip_blanks();
+}
+
+bool Fields::is_end_of_field(const char* p) const {
+    if (only_separators_)
+        while (p != end_ && is_blank(*p)) ++p;
+    return p == end_ || is_separator(*p) || is_blank(*p);
 }
 
 /// At most 15 digits and no exponent. Both the digits as a whole number and the power of ten are
@@ -81,7 +96,8 @@ bool Fields::short_number(double& value) {
         num_digits += num_behind;
     }
     if (num_digits == 0 || num_digits >= std::ssize(kPowers)) return false;
-    if (!(p == end_ || is_blank(*p) || is_separator(*p))) return false;
+    if (!is_end_of_field(p)) return false;
+    has_point_ = num_behind > 0;
     const double size = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(num_behind)];
     value = is_negative ? -size : size;
     at_ = p;
@@ -91,37 +107,48 @@ bool Fields::short_number(double& value) {
 
 bool Fields::number(double& value) {
     if (short_number(value)) return true;
-    if (at_ != end_ && is_separator(*at_)) {
+    has_point_ = false;
+    if (at_open_end() || (at_ != end_ && is_separator(*at_))) {
         value = kNone;
         skip_separator();
         return true;
     }
     const auto [stop, error] = std::from_chars(at_, end_, value);
-    if (error != std::errc{} || !(stop == end_ || is_blank(*stop) || is_separator(*stop)))
-        return odd_number(value);
+    if (error != std::errc{} || !is_end_of_field(stop)) return odd_number(value);
+    has_point_ = std::find(at_, stop, '.') != stop;
     at_ = stop;
     skip_separator();
     return true;
 }
 
 bool Fields::odd_number(double& value) {
-    NumberReader reader(word());
+    const bool is_quoted = at_ != end_ && *at_ == '"';
+    const std::string_view text = word();
+    if (is_quoted && text.empty()) {
+        value = kNone;
+        return true;
+    }
+    NumberReader reader(text);
+    has_point_ = text.find('.') != std::string_view::npos;
     return reader.next(value) && reader.at_end();
 }
 
 std::string_view Fields::word() {
     const char* begin = at_;
     if (at_ != end_ && *at_ == '"') {
-        const void* quote = std::memchr(at_ + 1, '"', static_cast<std::size_t>(end_ - at_ - 1));
-        if (quote != nullptr) {
-            const std::string_view inside(begin + 1, static_cast<const char*>(quote));
-            at_ = static_cast<const char*>(quote) + 1;
+        const char* quote = std::find(at_ + 1, end_, '"');
+        // Two quotes are one that belongs to the text.
+        while (quote != end_ && quote + 1 != end_ && quote[1] == '"')
+            quote = std::find(quote + 2, end_, '"');
+        if (quote != end_) {
+            const std::string_view inside(begin + 1, quote);
+            at_ = quote + 1;
             skip_separator();
             return inside;
         }
     }
-    while (at_ != end_ && !is_blank(*at_) && !is_separator(*at_)) ++at_;
-    const std::string_view found(begin, at_);
+    while (at_ != end_ && (only_separators_ || !is_blank(*at_)) && !is_separator(*at_)) ++at_;
+    const std::string_view found = trimmed({begin, at_});
     skip_separator();
     return found;
 }
@@ -136,10 +163,10 @@ bool is_text_count(std::string_view line) {
     return !line.empty() && std::all_of(line.begin(), line.end(), is_digit);
 }
 
-bool is_text_row(std::string_view line) {
+bool is_text_row(std::string_view line, const TextSyntax& syntax) {
     line = trimmed(line);
     if (line.empty() || line.front() == '#' || line.substr(0, 2) == "//") return false;
-    return !is_text_count(line);
+    return !syntax.has_counts || !is_text_count(line);
 }
 
 std::string_view take_line(std::string_view& text, char line_end) {
@@ -152,16 +179,21 @@ std::string_view take_line(std::string_view& text, char line_end) {
     return trimmed(line);
 }
 
-TextRows::TextRows(std::string_view text, char line_end, const Context& context)
-    : text_(text), line_end_(line_end) {
+bool has_tab_behind(std::string_view line, std::string_view rest) {
+    const std::string_view behind(line.data() + line.size(), rest.data());
+    return behind.find('\t') != std::string_view::npos;
+}
+
+TextRows::TextRows(std::string_view text, char line_end, const Context& context, TextSyntax syntax)
+    : text_(text), line_end_(line_end), syntax_(syntax) {
     for (const std::string_view part : cut_text(text, line_end)) chunks_.push_back({part});
     parallel_chunks(context, chunks_.size(), [&](std::size_t i) {
         Chunk& chunk = chunks_[i];
         for (std::string_view rest = chunk.text; !rest.empty();) {
             const std::string_view line = take_line(rest, line_end_);
-            if (is_text_row(line)) {
+            if (is_text_row(line, syntax_)) {
                 ++chunk.num_rows;
-            } else if (is_text_count(line)) {
+            } else if (syntax_.has_counts && is_text_count(line)) {
                 double count = 0.0;
                 NumberReader(line).next(count);
                 chunk.promised += count;
@@ -181,7 +213,7 @@ std::size_t TextRows::byte_of_row(std::size_t row) const {
         std::size_t at = chunk.first_row;
         for (std::string_view rest = chunk.text; !rest.empty();) {
             const char* begin = rest.data();
-            if (is_text_row(take_line(rest, line_end_)) && at++ == row)
+            if (is_text_row(take_line(rest, line_end_), syntax_) && at++ == row)
                 return static_cast<std::size_t>(begin - text_.data());
         }
     }
@@ -194,13 +226,18 @@ void TextRows::read(std::size_t num_columns, std::span<const std::size_t> wanted
     const std::vector<std::size_t> places = places_of(num_columns, wanted);
     parallel_chunks(context, chunks_.size(), [&](std::size_t index) {
         const Chunk& chunk = chunks_[index];
-        TextBlock block{index, chunk.first_row, chunk.num_rows, {}, {}};
+        TextBlock block{index, chunk.first_row, chunk.num_rows, {}, {}, {}};
+        block.has_point.assign(wanted.size(), 0);
         block.columns.assign(wanted.size(), std::vector<double>(chunk.num_rows));
         std::size_t row = 0;
         for (std::string_view rest = chunk.text; !rest.empty();) {
             const std::string_view line = take_line(rest, line_end_);
-            if (!is_text_row(line)) continue;
-            const std::string_view problem = read_row(line, places, row, block.columns);
+            if (!is_text_row(line, syntax_)) continue;
+            const std::size_t size =
+                syntax_.ends_at_hash ? std::min(line.find('#'), line.size()) : line.size();
+            const Fields fields(line.substr(0, size), syntax_.only_separators);
+            const std::string_view problem =
+                read_row(fields, places, row, has_tab_behind(line, rest), block);
             if (!problem.empty()) {
                 for (std::vector<double>& column : block.columns) column[row] = kNone;
                 block.bad.push_back({block.first_row + row, line, problem});

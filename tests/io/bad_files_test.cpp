@@ -139,9 +139,15 @@ TEST(BadFiles, HeadersNameTheirLine) {
         code, "1 compressed splats need 1 rows of 'chunk' before them, but there are 0");
 }
 
+TEST(BadFiles, AByteOrderMarkDoesNoHarm) {
+    const std::string ply = make_ply("ascii", {three_points()});
+    EXPECT_EQ(load_bytes("\xef\xbb\xbf" + ply).cloud.size(), 3U);
+    EXPECT_EQ(load_as("a.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").cloud.size(),
+              3U);
+}
+
 TEST(BadFiles, OtherKindsAreNamed) {
     const ErrorCode code = ErrorCode::kUnsupported;
-    expect_error("\xef\xbb\xbfply\nformat ascii 1.0\n", code, "byte order mark");
     expect_error("LASF\x01", code, "LAS");
     expect_error("once upon a time", code, "read from PLY");
     expect_error("plywood", code, "read from PLY");

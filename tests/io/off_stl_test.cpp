@@ -96,10 +96,56 @@ TEST(Stl, FilesThatLieAreErrors) {
     expect_load_error("a.stl", "short", code, "5 bytes are no STL file");
     expect_load_error("a.stl", "solid a\nfacet\nvertex 0 0\n", code, "a.stl:3: 'vertex' wants");
     expect_load_error("a.stl",
-                      "solid a\nfacet\nvertex 0 0 nan\nvertex 1 1 1\nvertex 2 0 0\nendloop", code,
-                      "not finite");
+                      "solid a\nfacet\nvertex 0 0 nan\nvertex 1 1 1\nvertex 2 0 0\nendloop",
+                      ErrorCode::kEmpty, "no triangles");
+    expect_load_error("a.stl", text_stl(3).substr(0, text_stl(3).rfind("endloop")), code,
+                      "the file is cut off within a facet");
     expect_load_error("a.stl", "solid a\nendsolid a\n", ErrorCode::kEmpty, "no triangles");
     expect_load_error("a.stl", binary_stl(0), ErrorCode::kEmpty, "no triangles");
+}
+
+TEST(Stl, FacetsThatAreNotFiniteAreDropped) {
+    std::string text = text_stl(3), binary = binary_stl(3);
+    text.replace(text.find("0 0 1\n   v"), 5, "0 0 nan");
+    binary.replace(84 + 50 + 12, 4, "\xff\xff\xff\xff");
+    for (const std::string& bytes : {text, binary}) {
+        const LoadResult result = load_as("a.stl", bytes);
+        EXPECT_EQ(result.mesh->triangles.size(), 2U);
+        EXPECT_EQ(result.report.num_bad_faces, 1U);
+        EXPECT_TRUE(has_note(result, "1 facet dropped: "));
+    }
+}
+
+TEST(Stl, AnEndThatLacksIsNoted) {
+    EXPECT_FALSE(has_note(load_as("a.stl", text_stl(2)), "endsolid"));
+    const std::string cut = text_stl(2).substr(0, text_stl(2).find("endsolid"));
+    const LoadResult result = load_as("a.stl", cut);
+    EXPECT_EQ(result.mesh->triangles.size(), 2U);
+    EXPECT_TRUE(has_note(result, "no 'endsolid' at the end"));
+}
+
+TEST(Off, CommentsMayFollowVerticesAndFaces) {
+    const LoadResult result = load_as("a.off",
+                                      "OFF\n4 2 0 # counts\n0 0 0 # a\n1 0 0 # b\n# c\n0 1 0\n"
+                                      "0 0 1\n3 0 1 2 # d\n3 0 1 3\n");
+    EXPECT_EQ(result.cloud.size(), 4U);
+    EXPECT_EQ(result.mesh->triangles.size(), 2U);
+    EXPECT_EQ(result.report.num_left_out, 0U);
+}
+
+TEST(Off, FacesHaveWholeNumbersAndNoMoreThanPromised) {
+    for (const std::string face : {"3.5 0 1 2 3\n", "3 0.5 1 2\n"}) {
+        const LoadResult result = load_as("a.off", "OFF\n4 2 0\n" + kSquare + face + "3 0 1 2\n");
+        EXPECT_EQ(result.mesh->triangles.size(), 1U);
+        EXPECT_EQ(result.report.num_bad_faces, 1U);
+    }
+    const LoadResult more = load_as("a.off", "OFF\n4 1 0\n" + kSquare + "3 0 1 2\n3 0 2 3\n");
+    EXPECT_EQ(more.mesh->triangles.size(), 1U);
+    EXPECT_TRUE(has_note(more, "1 line behind the 1 face promised ignored"));
+    // A lone number is a face without corners, no count.
+    const LoadResult lone = load_as("a.off", "OFF\n4 2 0\n" + kSquare + "0\n3 0 1 2\n");
+    EXPECT_EQ(lone.report.num_bad_faces, 1U);
+    EXPECT_EQ(lone.mesh->triangles.size(), 1U);
 }
 
 TEST(OffAndStl, EveryCutAndFlipIsAnErrorOrACloud) {

@@ -218,6 +218,18 @@ TEST(Pcd, ReadsOldAndBareHeaders) {
     EXPECT_EQ(more.report.num_rows, 2U);
 }
 
+TEST(Pcd, LoneNumbersAreBadRows) {
+    const std::string head =
+        "VERSION\t0.7\nFIELDS\tx\ty\tz\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 1\n"
+        "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ascii\n";
+    for (const char* mark : {"", "\xef\xbb\xbf"}) {
+        const LoadResult result = load_as("a.pcd", mark + head + "1 2 3.5\n7\n4 5 6\n");
+        EXPECT_EQ(result.report.format, "PCD ascii");
+        EXPECT_EQ(result.report.num_rows, 3U);
+        EXPECT_EQ(result.report.num_left_out, 1U);
+    }
+}
+
 TEST(Pcd, BadTextRowsAreDroppedUnlessTheyAreTheMost) {
     const std::string head = "FIELDS x y z\nPOINTS 5\nDATA ascii\n";
     const LoadResult result = load_bytes(head + "0 0 0\n1 1 1\nspam 1 2\n2 2 2\n3 3\n");

@@ -67,6 +67,20 @@ TEST(Ptx, CountsThatLieAreErrors) {
     expect_load_error("a.ptx", "2\n1\n0 0 0\n", code, "no header of a scan");
 }
 
+TEST(Ptx, LoneNumbersAreBadRows) {
+    const LoadResult result = load_as("a.ptx", "3\n1\n" + kNoTurn + "1 2 3 1\n7\n4 5 6 1\n");
+    EXPECT_EQ(result.report.num_rows, 3U);
+    EXPECT_EQ(result.report.num_left_out, 1U);
+}
+
+TEST(Ptx, ManySmallScansAreReadInOnePass) {
+    std::string bytes;
+    constexpr std::size_t kScans = 30000;
+    for (std::size_t i = 0; i < kScans; ++i)
+        bytes += "1\n1\n" + kNoTurn + std::to_string(i) + ".5 2 3 1\n";
+    EXPECT_EQ(load_as("a.ptx", bytes).cloud.size(), kScans);
+}
+
 TEST(Ptx, EveryCutAndFlipIsAnErrorOrACloud) {
     const std::string whole =
         "2\n1\n" + kNoTurn + "1 0 0 1\n5 0 0 1\n" + "1\n1\n" + kNoTurn + "1 2 0 0.5\n";

@@ -142,6 +142,12 @@ std::string spz_file(const std::vector<Splat>& all, int version) {
     return out + streams;
 }
 
+TEST(Splats, StreamsOfWholeStepsAreRead) {
+    // A stream of exactly 1 MiB, others of several
+    const std::string bytes = spz_file(std::vector<Splat>(std::size_t{1} << 20), 4);
+    EXPECT_EQ(load_as("a.spz", bytes).report.num_rows, std::size_t{1} << 20);
+}
+
 std::string packed_ply(const std::vector<Splat>& all) {
     // One chunk from (0, 0, 0) to (5, 5, 5), logs of sigmas from -6 to 2
     std::string out =
@@ -258,6 +264,18 @@ TEST(Splats, BrokenOnesAreDropped) {
     EXPECT_EQ(result.report.num_kept, 3U);
     for (Splat& s : all) s.opacity = 0.01;
     expect_load_error("a.ply", splat_ply(all), ErrorCode::kEmpty, "7 splats dropped: opacity");
+}
+
+TEST(Splats, SizesWhoseSquareOverflowsAreDropped) {
+    std::vector<Splat> all = splats();
+    const std::uint64_t num_kept = load_as("a.splat", splat_file(all)).report.num_kept;
+    all[0].sigmas = {1e20, 1e20, 1};
+    const LoadResult result = load_as("a.splat", splat_file(all));
+    EXPECT_TRUE(has_note(result, "1 splat dropped: size, rotation or opacity is no number"));
+    EXPECT_EQ(result.report.num_kept, num_kept - 1);
+    // All of them, so that none is more than 5 times the median
+    for (Splat& s : all) s.sigmas = {1e20, 1e20, 1};
+    expect_load_error("a.splat", splat_file(all), ErrorCode::kEmpty, "out of range");
 }
 
 TEST(Splats, FilesThatLieAreErrors) {

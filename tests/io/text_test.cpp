@@ -72,7 +72,8 @@ TEST(Text, ReadsHeadersAndComments) {
         EXPECT_TRUE(has_note(result, "by the header line")) << result.report.notes[0];
     }
     expect_points(
-        load_as("a.txt", "1 1\n# between\n0 0.5 1\n// x\n\n1000000.25 -2 3e-5\n4 5 6\n").cloud);
+        load_as("a.txt", "2 points\n# between\n0 0.5 1\n// x\n\n1000000.25 -2 3e-5\n4 5 6\n")
+            .cloud);
 }
 
 TEST(Text, HeadersMayNameAnyOrder) {
@@ -168,7 +169,7 @@ TEST(Text, TheOptionNamesColumns) {
     expect_load_error("a.txt", body, code, "'' is no name", {.columns = "x,y,z,"});
     expect_load_error("a.txt", body, code, "10 are named, but", {.columns = "x,y,z,a,b,c,d,e,f,g"});
     // Words where a coordinate should be
-    expect_load_error("a.txt", body, ErrorCode::kInvalidInput, "the columns have no 'x'",
+    expect_load_error("a.txt", body, ErrorCode::kInvalidInput, "column 'x' holds no numbers",
                       {.columns = "y,z,-,-,-,-,-,-,x"});
 }
 
@@ -244,6 +245,133 @@ TEST(Text, WordsInAColumnLeaveItOut) {
     expect_load_error("a.xyz", words_first, ErrorCode::kInvalidInput,
                       "words among the first three");
     EXPECT_EQ(load_as("a.xyz", words_first, {.columns = "-,x,y,z"}).cloud.size(), 3U);
+}
+
+TEST(Text, TheFirstLineThatNamesCoordinatesIsTheHeader) {
+    for (const char* units : {"", "m,m,m\n", "#metres\nm,m,m\n"}) {
+        const LoadResult result =
+            load_as("a.csv", std::string("z,y,x\n") + units + "1.5,2,30\n4,5.5,60\n7,8,99\n");
+        EXPECT_EQ(result.cloud.positions[point_of_row(result.cloud, 0)], (Vec3d{30, 2, 1.5}));
+        EXPECT_EQ(result.report.num_left_out, 0U);
+        EXPECT_TRUE(has_note(result, "columns are z,y,x, by the header"));
+    }
+    const LoadResult prose = load_as("a.csv", "these are x y z and more\nz y x\n1.5 2 3\n5 6 7\n");
+    EXPECT_TRUE(has_note(prose, "columns are z,y,x, by the header"));
+    EXPECT_EQ(prose.report.num_left_out, 0U);
+    // Of two headers the one that fits
+    EXPECT_TRUE(has_note(load_as("a.csv", "# x y z in metres\nz,y,x,i\n1.5,2,3,4\n5,6,7,8\n"),
+                         "columns are z,y,x,i, by the header"));
+}
+
+TEST(Text, BadRowsInFrontAreCounted) {
+    const LoadResult numbers = load_as("a.xyz", "1 2\n3.5 4 5\n6 7 8\n1 1 2\n");
+    EXPECT_EQ(numbers.report.num_rows, 4U);
+    EXPECT_EQ(numbers.report.num_left_out, 1U);
+    const LoadResult quoted =
+        load_as("a.csv", "x,y,z\n\"1,5\",\"2\",\"3\"\n\"4\",\"5\",\"6\"\n\"7\",\"8\",\"9\"\n");
+    EXPECT_EQ(quoted.report.num_left_out, 1U);
+    EXPECT_EQ(quoted.cloud.size(), 2U);
+    EXPECT_EQ(load_as("a.txt", "Points: 2\n1 2 3.5\n4 5 6\n").report.num_rows, 2U);
+}
+
+TEST(Text, EmptyLastFieldsAreFields) {
+    for (const std::string s : {",", ";", "\t"}) {
+        SCOPED_TRACE(s);
+        const auto line = [&](const std::string& a, const std::string& i) {
+            return a + s + "2" + s + "3" + s + i + "\n";
+        };
+        const std::string head = "y" + s + "x" + s + "z" + s + "i\n";
+        const LoadResult some =
+            load_as("a.csv", head + line("1.5", "") + line("2", "4.5") + line("5", "") +
+                                 line("6", "") + line("8", "4"));
+        EXPECT_EQ(some.report.num_left_out, 0U);
+        EXPECT_EQ(some.cloud.positions[point_of_row(some.cloud, 0)], (Vec3d{2, 1.5, 3}));
+        const Channel* const i = find_channel(some.cloud, "i");
+        ASSERT_NE(i, nullptr);
+        EXPECT_TRUE(std::isnan(i->data[point_of_row(some.cloud, 0)]));
+        EXPECT_EQ(i->data[point_of_row(some.cloud, 1)], 4.5F);
+        const LoadResult none = load_as("a.csv", head + line("1.5", "") + line("2", ""));
+        EXPECT_EQ(none.cloud.size(), 2U);
+        EXPECT_EQ(none.cloud.positions[point_of_row(none.cloud, 0)], (Vec3d{2, 1.5, 3}));
+        // One more than there are names
+        const LoadResult more =
+            load_as("a.csv", "z" + s + "y" + s + "x\n" + line("1.5", "") + line("2", ""));
+        EXPECT_EQ(more.cloud.positions[point_of_row(more.cloud, 0)], (Vec3d{3, 2, 1.5}));
+        // In some rows only
+        const LoadResult mixed = load_as(
+            "a.csv", "1.5" + s + "2" + s + "3\n" + line("2", "") + "4" + s + "5" + s + "6\n");
+        EXPECT_EQ(mixed.cloud.size(), 3U);
+    }
+    EXPECT_EQ(load_as("a.csv", "x,y,z\n1,2,3\n4,5,6\n7,8,9,,\n").report.num_left_out, 1U);
+}
+
+TEST(Text, ColorsOfWholeFloatsAreFloats) {
+    const std::string rows = "0.5,0,0,1.0,0.0,0.0\n1.5,1,1,0.0,1.0,0.0\n";
+    for (const char* head : {"x,y,z,r,g,b\n", ""}) {
+        const PointCloud cloud = load_as("a.csv", head + rows).cloud;
+        ASSERT_EQ(cloud.colors.size(), 2U);
+        EXPECT_EQ(cloud.colors[point_of_row(cloud, 0)], rgb16_from_8bit(255, 0, 0));
+        EXPECT_EQ(cloud.colors[point_of_row(cloud, 1)], rgb16_from_8bit(0, 255, 0));
+    }
+    const PointCloud bytes = load_as("a.csv", "0.5,0,0,255.0,1.0,0.0\n1.5,1,1,7.0,2.0,0.0\n").cloud;
+    EXPECT_EQ(bytes.colors[point_of_row(bytes, 0)], rgb16_from_8bit(255, 1, 0));
+    // A plane's normals, and those of a file that should have some
+    EXPECT_FALSE(
+        load_as("a.xyzn", "0.5 0 0 1.0 0.0 0.0\n1 1 0 0.0 0.0 1.0\n").cloud.normals.empty());
+    EXPECT_FALSE(
+        load_as("a.xyz", "0.5 0 0 0.0 0.0 1.0\n1 1 0 0.0 0.0 1.0\n").cloud.normals.empty());
+}
+
+TEST(Text, ColumnsWithoutNumbersAreNoColors) {
+    const LoadResult result = load_as("a.xyz", "0.5 0 0 nan nan nan\n1 1 1 nan nan nan\n");
+    EXPECT_TRUE(result.cloud.colors.empty());
+    expect_load_error("a.csv", "x,y,z,r,g,b\nN/A,2,3,1,2,3\nN/A,2,3,1,2,3\n1.5,2,3,9,9,9\n",
+                      ErrorCode::kInvalidInput, "column 'x' holds no numbers in most");
+}
+
+TEST(Text, CommasSeparateAloneWhereTheyDo) {
+    const LoadResult words =
+        load_as("a.csv", "x,y,z,label,i\n0.5,0,0,road,1\n1.5,1,1,big tree,2\n2.5 , 4 ,2,a 5 b,3\n");
+    EXPECT_EQ(words.cloud.size(), 3U);
+    EXPECT_EQ(find_channel(words.cloud, "i")->data[point_of_row(words.cloud, 2)], 3.0F);
+    const LoadResult quoted =
+        load_as("a.csv",
+                "\"x\",\"y\",\"z\",\"name, long\",\"i\"\n\"0.5\",\"0\",\"0\",\"hi, \"\"you\"\" 0\","
+                "\"1\"\n\"1\",\"1\",\"1\",\"\"\"\",\"\"\n");
+    EXPECT_EQ(quoted.cloud.size(), 2U);
+    EXPECT_EQ(quoted.report.num_left_out, 0U);
+    EXPECT_EQ(find_channel(quoted.cloud, "i")->data[point_of_row(quoted.cloud, 0)], 1.0F);
+    // Both kinds in one row
+    const LoadResult both = load_as("a.txt", "0.5,1,2 255 0 7\n3,4,5 1 2 3\n");
+    EXPECT_EQ(both.cloud.colors.size(), 2U);
+}
+
+TEST(Text, CommentsMayBeLongerThanTheSample) {
+    std::string comments;
+    for (int i = 0; i < 5000; ++i) comments += "# one of very many lines of comment\n";
+    const LoadResult result = load_as("a.txt", comments + "# z y x\n1.5 2 3\n4 5 6\n");
+    EXPECT_EQ(result.cloud.positions[point_of_row(result.cloud, 0)], (Vec3d{3, 2, 1.5}));
+}
+
+TEST(Text, ZerosBehindATableAreNoHarmAndElsewhereTold) {
+    EXPECT_EQ(load_as("a.xyz", "0.5 1 2\n3 4 5\n" + std::string(5, '\0')).cloud.size(), 2U);
+    expect_load_error("a.xyz", std::string("0.5 1 2\n\0 3 4 5\n", 16), ErrorCode::kInvalidInput,
+                      "byte 8 is zero, which text has not");
+    expect_load_error("a.xyz",
+                      std::string("\xff\xfe"
+                                  "1\0"
+                                  " \0"
+                                  "2\0",
+                                  8),
+                      ErrorCode::kUnsupported, "UTF-16");
+}
+
+TEST(Text, NumbersTooSmallAreZero) {
+    const std::string tiny = "0." + std::string(400, '0') + "1", huge = std::string(400, '9');
+    const PointCloud cloud = load_as("a.xyz", tiny + " 1 -" + tiny + "\n2 3 4.5\n").cloud;
+    ASSERT_EQ(cloud.size(), 2U);
+    EXPECT_EQ(cloud.positions[point_of_row(cloud, 0)], (Vec3d{0, 1, 0}));
+    EXPECT_EQ(load_as("a.xyz", huge + ".5 1 2\n2 3 4.5\n").report.num_non_finite, 1U);
 }
 
 TEST(Text, DecimalCommasAreToldAbout) {
