@@ -83,20 +83,21 @@ class CellCutter {
         cell_.v = cross(normal, cell_.u);
     }
 
-    /// The cell, if no farther point can cut it.
+    /// The cell, if no farther point can cut it and no other sheet is near. (Among several, points
+    /// that are few of their kind would stand for much.)
     bool cut_closed(std::span<const Neighbor> found) {
+        if (num_of_this_sheet(found) + 1 < found.size()) return false;
         Polygon polygon(std::sqrt(found.back().squared_distance));
         cut(polygon, found);
         polygon.measure(cell_);
         return 4.0 * polygon.farthest2() <= found.back().squared_distance;
     }
 
+    /// No farther than one spacing, that of all neighbours whichever sheet they are on.
     void cut_open(std::span<const Neighbor> found) {
-        std::size_t count = 0;
-        for (const Neighbor& n : found) count += is_of_this_sheet(n) ? 1 : 0;
-        const double area = kPi * found.back().squared_distance /
-                            static_cast<double>(std::max<std::size_t>(count, 1));
-        Polygon polygon(std::sqrt(area));
+        const std::size_t count = found.size() - 1;
+        Polygon polygon(
+            std::sqrt(kPi * found.back().squared_distance / static_cast<double>(count)));
         cut(polygon, found);
         polygon.measure(cell_);
     }
@@ -106,6 +107,11 @@ class CellCutter {
  private:
     bool is_of_this_sheet(const Neighbor& n) const {
         return n.squared_distance > 0.0 && !(dot(facing_, cloud_.normals[n.index]) < 0.0F);
+    }
+
+    std::size_t num_of_this_sheet(std::span<const Neighbor> found) const {
+        return static_cast<std::size_t>(std::count_if(
+            found.begin(), found.end(), [&](const Neighbor& n) { return is_of_this_sheet(n); }));
     }
 
     void cut(Polygon& polygon, std::span<const Neighbor> found) const {
