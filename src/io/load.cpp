@@ -11,6 +11,7 @@
 #include "io/mesh_vertices.h"
 #include "io/ply_header.h"
 #include "io/read_gltf.h"
+#include "io/read_las.h"
 #include "io/read_obj.h"
 #include "io/read_off.h"
 #include "io/read_pcd.h"
@@ -27,8 +28,7 @@ using Bytes = std::span<const std::byte>;
 
 /// What a file is that is not read, if its first bytes tell.
 std::string_view kind_of(std::string_view text) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kKinds{{
-        {"LASF", "a LAS or LAZ file"},
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kKinds{{
         {"ASTM-E57", "an E57 file"},
         {"PK\x03\x04", "a zip archive"},
         {"\xef\xbb\xbf", "text that begins with a UTF-8 byte order mark; save it without"},
@@ -63,6 +63,7 @@ LoadResult read_any(const std::filesystem::path& path, const LoadOptions& option
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
     if (is_spz(bytes)) return read_spz(bytes, path, context);
     if (kind_extension(path) == ".splat") return read_splat(bytes, path, context);
+    if (is_las(bytes)) return read_las(bytes, path, context);
     if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
         return vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context);
@@ -81,11 +82,11 @@ LoadResult read_any(const std::filesystem::path& path, const LoadOptions& option
              "{}: the first lines are no table: rows of at least three numbers are wanted, with "
              "blanks, commas or semicolons between them",
              path.string());
-    fail(
-        ErrorCode::kUnsupported,
-        "{}: is {}; points are read from PLY, PCD, PTX, OFF, SPZ, splat and tables of text, and as "
-        "vertices from OBJ, STL, GLB and glTF",
-        path.string(), kind_of(first_bytes(bytes)));
+    fail(ErrorCode::kUnsupported,
+         "{}: is {}; points are read from PLY, LAS, LAZ, PCD, PTX, OFF, SPZ, splat and tables of "
+         "text, "
+         "and as vertices from OBJ, STL, GLB and glTF",
+         path.string(), kind_of(first_bytes(bytes)));
 }
 
 }  // namespace
