@@ -40,6 +40,7 @@ void leave_out_zeros(PointRows& points) {
     const auto is_black = [](Rgb16 c) { return c == Rgb16{}; };
     if (!cloud.colors.empty() && std::ranges::all_of(cloud.colors, is_black)) {
         cloud.colors.clear();
+        std::erase_if(points.notes, [](const std::string& n) { return n.starts_with("colours"); });
         note("colours");
     }
     std::erase_if(cloud.channels, [&](const Channel& channel) {
