@@ -48,10 +48,11 @@ struct LoadResult {
     LoadReport report;
 };
 
-/// Reads a point cloud: PLY; of OBJ, GLB and glTF the vertices. The kind is told by content, then
-/// by extension. Rows with non-finite coordinates are dropped, rows with equal coordinates merged
-/// (colour: mean in linear light); both are counted. Points come in Morton order, ties by row. O(n
-/// log n). Throws Error{kIo, kInvalidInput, kUnsupported, kEmpty}.
+/// Reads a point cloud: PLY, LAS, LAZ, E57, PCD, PTX, OFF, tables of text, Gaussian splats; of OBJ,
+/// STL, GLB and glTF the vertices. The kind is told by content, then by extension. Rows with
+/// non-finite coordinates are dropped, rows with equal coordinates merged (colour: mean in linear
+/// light); both are counted. Points come in Morton order, ties by row. O(n log n). Throws
+/// Error{kIo, kInvalidInput, kUnsupported, kEmpty}.
 LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& options = {},
                       const Context& context = {});
 

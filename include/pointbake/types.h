@@ -43,8 +43,9 @@ enum class DropReason : std::uint8_t {
     kUnreadable = 8,  ///< the row of a text file holds other things than numbers
     kNoReturn = 9,    ///< the scanner looked there, but nothing came back
     kNoSurfel = 10,   ///< a Gaussian splat too faint, too large or too thin to be of a surface
+    kWithheld = 11,   ///< the file itself marks the point as not to be used
 };
-inline constexpr int kNumDropReasons = 11;
+inline constexpr int kNumDropReasons = 12;
 std::string_view to_string(DropReason reason);
 
 /// An input row that is not kept.

@@ -11,8 +11,8 @@ namespace pointbake {
 
 std::string_view to_string(DropReason reason) {
     static constexpr std::array<std::string_view, kNumDropReasons> words = {
-        "kept",    "merged",     "non_finite", "off_surface", "outlier",  "floating",
-        "cropped", "subsampled", "unreadable", "no_return",   "no_surfel"};
+        "kept",    "merged",     "non_finite", "off_surface", "outlier",   "floating",
+        "cropped", "subsampled", "unreadable", "no_return",   "no_surfel", "withheld"};
     return words[static_cast<std::size_t>(reason)];
 }
 

@@ -10,7 +10,9 @@
 #include "io/input_file.h"
 #include "io/mesh_vertices.h"
 #include "io/ply_header.h"
+#include "io/read_e57.h"
 #include "io/read_gltf.h"
+#include "io/read_las.h"
 #include "io/read_obj.h"
 #include "io/read_off.h"
 #include "io/read_pcd.h"
@@ -27,9 +29,7 @@ using Bytes = std::span<const std::byte>;
 
 /// What a file is that is not read, if its first bytes tell; else nothing.
 std::string_view kind_of(std::string_view text) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kKinds{{
-        {"LASF", "a LAS or LAZ file"},
-        {"ASTM-E57", "an E57 file"},
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kKinds{{
         {"PK\x03\x04", "a zip archive"},
         {"\xff\xfe", "text in UTF-16; save it as UTF-8"},
         {"\xfe\xff", "text in UTF-16; save it as UTF-8"},
@@ -87,11 +87,11 @@ LoadResult read_stl_points(Bytes bytes, const std::filesystem::path& path, const
              "blanks, commas or semicolons between them",
              path.string());
     }
-    fail(
-        ErrorCode::kUnsupported,
-        "{}: is {}; points are read from PLY, PCD, PTX, OFF, SPZ, splat and tables of text, and as "
-        "vertices from OBJ, STL, GLB and glTF",
-        path.string(), kind.empty() ? "of an unknown kind (it does not begin with 'ply')" : kind);
+    fail(ErrorCode::kUnsupported,
+         "{}: is {}; points are read from PLY, LAS, LAZ, E57, PCD, PTX, OFF, SPZ, splat and tables "
+         "of text, and as "
+         "vertices from OBJ, STL, GLB and glTF",
+         path.string(), kind.empty() ? "of an unknown kind (it does not begin with 'ply')" : kind);
 }
 
 LoadResult read_any(const std::filesystem::path& path, const LoadOptions& options,
@@ -103,6 +103,8 @@ LoadResult read_any(const std::filesystem::path& path, const LoadOptions& option
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
     if (is_spz(bytes)) return read_spz(bytes, path, context);
     if (kind_extension(path) == ".splat") return read_splat(bytes, path, context);
+    if (is_las(bytes)) return read_las(bytes, path, context);
+    if (is_e57(bytes)) return read_e57(bytes, path, context);
     if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
         return vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context);

@@ -70,6 +70,7 @@ std::string fate_of_points(const PointCloud& cloud) {
     append_dropped(DropReason::kUnreadable, "that are not numbers");
     append_dropped(DropReason::kNoReturn, "without a return");
     append_dropped(DropReason::kNoSurfel, "of splats that are no surfels");
+    append_dropped(DropReason::kWithheld, "that the file withholds");
     append_dropped(DropReason::kOutlier, "by --outliers drop");
     append_dropped(DropReason::kFloating, "by --floaters drop");
     append_dropped(DropReason::kCropped, "outside of --crop");

@@ -81,7 +81,8 @@ TEST(RealFiles, CountsOfScansAreRight) {
     }
 }
 
-// Counts as Open3D 0.16 and NumPy read them; those of splats by a script of their formats.
+// Counts as Open3D 0.16 and NumPy read them; those of splats by a script of their formats; LAS and
+// LAZ as laspy 2.7 (lazrs 0.8), E57 as pye57 0.4.19.
 TEST(RealFiles, OtherFormatsReadAsOtherProgramsDo) {
     if (!fs::exists(data_folder() / "colored_points"))
         GTEST_SKIP() << "no test data in " << data_folder()
@@ -109,6 +110,18 @@ TEST(RealFiles, OtherFormatsReadAsOtherProgramsDo) {
           Counts{"loaders/pdal_quoted.txt", 9, 9, 0, false, false, false},
           Counts{"loaders/pdal_1.2-with-color.ptx", 1065, 1065, 0, true, false, false},
           Counts{"loaders/pdal_complex-transform.ptx", 12, 4, 8, true, false, false},
+          Counts{"colored_points/autzen_trim.las", 110000, 110000, 0, true, false, false},
+          Counts{"colored_points/ign_fields.laz", 697721, 697721, 0, true, false, false},
+          Counts{"colored_points/lion_takanawa.copc.laz", 341989, 275855, 0, true, false, false},
+          Counts{"colored_points/qcompass_outcrop.laz", 268035, 265479, 0, true, false, false},
+          Counts{"loaders/laspy_fullwave.laz", 10750, 10750, 0, true, false, false},
+          Counts{"loaders/loadersgl_pdrf8-1.4.laz", 1024, 541, 483, true, false, false},
+          Counts{"colored_points/pump.e57", 155201, 155201, 0, true, false, true},
+          Counts{"scans/bunnyDouble.e57", 30571, 30571, 0, false, false, false},
+          Counts{"loaders/cry_bunnyInt19.e57", 30571, 30571, 0, false, false, false},
+          Counts{"loaders/cry_tiny_spherical.e57", 360, 180, 180, false, false, false},
+          Counts{"loaders/pye57_testWithNormals.e57", 2, 2, 0, false, true, false},
+          Counts{"loaders/pye57_translationWithoutRotation.e57", 4, 3, 1, false, false, true},
           Counts{"gaussians/biker.spz", 152746, 92821, 59847, true, true, false},
           Counts{"gaussians/biker.compressed.ply", 152746, 93148, 59590, true, true, false},
           Counts{"gaussians/lastchance.splat", 14007, 7512, 6495, true, true, false},
@@ -127,6 +140,44 @@ TEST(RealFiles, OtherFormatsReadAsOtherProgramsDo) {
               ErrorCode::kInvalidInput);
     EXPECT_EQ(error_of([&] { load_cloud(data_folder() / "loaders/vtk_cactus.3337.pts"); }).code(),
               ErrorCode::kInvalidInput);
+}
+
+TEST(RealFiles, OddScannerFilesReadOrFailClearly) {
+    if (!fs::exists(data_folder() / "loaders"))
+        GTEST_SKIP() << "no test data in " << data_folder()
+                     << "; POINTBAKE_DATA names another folder";
+    // The others must open.
+    const std::map<std::string, ErrorCode> kErrors{
+        {"loadersgl_pdrf4-1.3.laz", ErrorCode::kUnsupported},  // wave packets
+        {"loadersgl_pdrf5-1.3.laz", ErrorCode::kUnsupported},
+        {"pdal_1.2-no-points.las", ErrorCode::kInvalidInput},            // promises 1065
+        {"pdal_1.2-with-color-clipped.las", ErrorCode::kInvalidInput},   // lacks the last
+        {"pdal_garbage_nVariableLength.las", ErrorCode::kInvalidInput},  // lacks the last
+        {"pdal_no-points.las", ErrorCode::kEmpty},
+        {"cry_corrupt_crc.e57", ErrorCode::kInvalidInput},
+        {"libe57_bad-crc.e57", ErrorCode::kInvalidInput},
+        {"cry_read_error.e57", ErrorCode::kEmpty},  // zeros alone
+        {"cry_empty.e57", ErrorCode::kEmpty},
+        {"cry_empty_pc.e57", ErrorCode::kEmpty},
+        {"libe57_InvalidCVHeader.e57", ErrorCode::kEmpty},
+        {"libe57_PinholeImageWithDistortionParameters.e57", ErrorCode::kEmpty},
+        {"libe57_ZeroPoints.e57", ErrorCode::kEmpty},
+        {"libe57_ZeroPointsInvalid.e57", ErrorCode::kEmpty},
+        {"libe57_empty.e57", ErrorCode::kEmpty}};
+    for (const char* extension : {".las", ".laz", ".e57"})
+        for (const fs::path& path : files_in("loaders", extension)) {
+            SCOPED_TRACE(path.filename().string());
+            const auto expected = kErrors.find(path.filename().string());
+            if (expected != kErrors.end()) {
+                EXPECT_EQ(error_of([&] { load_cloud(path); }).code(), expected->second);
+                continue;
+            }
+            const LoadReport report = load_cloud(path).report;
+            EXPECT_GT(report.num_kept, 0U);
+            EXPECT_EQ(
+                report.num_kept + report.num_merged + report.num_non_finite + report.num_left_out,
+                report.num_rows);
+        }
 }
 
 TEST(RealFiles, TexturedMeshesRead) {

@@ -290,7 +290,8 @@ TEST(Reconstruct, MakesFlatCloudsFlatMeshes) {
 
 TEST(Reconstruct, LeavesTheRimsOfNarrowSheetsOpen) {
     for (const int width : {3, 5, 7, 10}) {
-        const Topology t = topology_of(reconstruct(shapes::plane_cloud(13, width), {.thin = Thin::kOff}));
+        const Topology t =
+            topology_of(reconstruct(shapes::plane_cloud(13, width), {.thin = Thin::kOff}));
         EXPECT_EQ(t.num_boundary_loops, 1U) << width;
         EXPECT_EQ(t.num_triangles, 2U * 12U * static_cast<Index>(width - 1)) << width;
     }

@@ -1,0 +1,177 @@
+// Based on [Said04]: intervals of 32 bits, probabilities of 15 bits (13 for bits) that are brought
+// up to date at intervals that grow. All constants are LASzip's, since both sides must agree.
+#include "io/arithmetic_decoder.h"
+
+#include <algorithm>
+
+namespace pointbake {
+namespace {
+
+constexpr unsigned kSymbolShift = 15, kBitShift = 13;
+constexpr std::uint32_t kMaxCount = 1U << kSymbolShift;
+constexpr std::uint32_t kMaxBitCount = 1U << kBitShift;
+constexpr std::uint32_t kLeastLength = 1U << 24;  // below it, the interval takes in a byte
+constexpr unsigned kMostDirectBits = 19;          // in one division
+constexpr unsigned kUpperBits = 8;                // of a difference, coded by a model
+
+}  // namespace
+
+SymbolModel::SymbolModel(std::uint32_t num_symbols)
+    : num_symbols_(num_symbols), counts_(num_symbols, 1), cumulated_(num_symbols) {
+    constexpr std::uint32_t kLeastForTable = 17;
+    if (num_symbols >= kLeastForTable) {
+        unsigned table_bits = 3;
+        while (num_symbols > 1U << (table_bits + 2)) ++table_bits;
+        table_.resize((std::size_t{1} << table_bits) + 2);
+        table_shift_ = kSymbolShift - table_bits;
+    }
+    cycle_ = num_symbols;
+    update();
+    cycle_ = until_update_ = (num_symbols + 6) / 2;
+}
+
+void SymbolModel::update() {
+    total_ += cycle_;
+    if (total_ > kMaxCount) {
+        total_ = 0;
+        for (std::uint32_t& count : counts_) {
+            count = (count + 1) / 2;
+            total_ += count;
+        }
+    }
+    const std::uint32_t scale = 0x80000000U / total_;
+    std::uint32_t sum = 0;
+    std::size_t slot = 0;
+    for (std::uint32_t k = 0; k < num_symbols_; ++k) {
+        cumulated_[k] = (scale * sum) >> (31 - kSymbolShift);
+        sum += counts_[k];
+        if (table_.empty()) continue;
+        const std::size_t last_slot = cumulated_[k] >> table_shift_;
+        while (slot < last_slot) table_[++slot] = k - 1;
+    }
+    if (!table_.empty()) {
+        table_[0] = 0;
+        while (slot + 1 < table_.size()) table_[++slot] = num_symbols_ - 1;
+    }
+    cycle_ = std::min(cycle_ * 5 / 4, (num_symbols_ + 6) * 8);
+    until_update_ = cycle_;
+}
+
+void BitModel::update() {
+    constexpr std::uint32_t kLongestCycle = 64;
+    total_ += cycle_;
+    if (total_ > kMaxBitCount) {
+        total_ = (total_ + 1) / 2;
+        num_zeros_ = (num_zeros_ + 1) / 2;
+        if (num_zeros_ == total_) ++total_;
+    }
+    const std::uint32_t scale = 0x80000000U / total_;
+    probability_ = (num_zeros_ * scale) >> (31 - kBitShift);
+    cycle_ = std::min(cycle_ * 5 / 4, kLongestCycle);
+    until_update_ = cycle_;
+}
+
+ArithmeticDecoder::ArithmeticDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
+    for (int i = 0; i < 4; ++i) value_ = value_ << 8 | next_byte();
+}
+
+std::uint32_t ArithmeticDecoder::next_byte() {
+    if (next_ < bytes_.size()) return std::to_integer<std::uint32_t>(bytes_[next_++]);
+    ++num_missing_;
+    return 0;
+}
+
+void ArithmeticDecoder::refill() {
+    while (length_ < kLeastLength) {
+        value_ = value_ << 8 | next_byte();
+        length_ <<= 8;
+    }
+}
+
+std::uint32_t ArithmeticDecoder::symbol(SymbolModel& model) {
+    const std::uint32_t whole = length_;
+    length_ >>= kSymbolShift;
+    // Of damaged bytes the value may lie outside of the interval.
+    const std::uint32_t place = std::min(value_ / length_, kMaxCount - 1);
+    std::uint32_t found = 0, end = model.num_symbols_;
+    if (!model.table_.empty()) {
+        const std::size_t slot = place >> model.table_shift_;
+        found = model.table_[slot];
+        end = model.table_[slot + 1] + 1;
+    }
+    while (end > found + 1) {
+        const std::uint32_t middle = (found + end) / 2;
+        if (model.cumulated_[middle] > place)
+            end = middle;
+        else
+            found = middle;
+    }
+    const std::uint32_t low = model.cumulated_[found] * length_;
+    const bool is_last = found + 1 == model.num_symbols_;
+    const std::uint32_t high = is_last ? whole : model.cumulated_[found + 1] * length_;
+    value_ -= low;
+    length_ = high - low;
+    refill();
+    ++model.counts_[found];
+    if (--model.until_update_ == 0) model.update();
+    return found;
+}
+
+std::uint32_t ArithmeticDecoder::bit(BitModel& model) {
+    const std::uint32_t zeros = model.probability_ * (length_ >> kBitShift);
+    const bool is_one = value_ >= zeros;
+    if (is_one) {
+        value_ -= zeros;
+        length_ -= zeros;
+    } else {
+        length_ = zeros;
+        ++model.num_zeros_;
+    }
+    refill();
+    if (--model.until_update_ == 0) model.update();
+    return is_one ? 1 : 0;
+}
+
+std::uint32_t ArithmeticDecoder::bits(unsigned count) {
+    if (count > kMostDirectBits) {
+        const std::uint32_t lower = bits(16);
+        return bits(count - 16) << 16 | lower;
+    }
+    length_ >>= count;
+    const std::uint32_t found = std::min(value_ / length_, (1U << count) - 1);
+    value_ -= length_ * found;
+    refill();
+    return found;
+}
+
+IntegerDecoder::IntegerDecoder(unsigned num_bits, std::size_t num_contexts)
+    : num_bits_(num_bits), sizes_(num_contexts, num_bits + 1), upper_(num_bits + 1) {}
+
+SymbolModel& IntegerDecoder::upper_bits(std::uint32_t num_bits) {
+    std::optional<SymbolModel>& model = upper_[num_bits];
+    if (!model) model.emplace(1U << std::min(num_bits, kUpperBits));
+    return *model;
+}
+
+/// Differences of k bits are those from -(2^k - 1) to -2^(k-1) and from 2^(k-1) + 1 to 2^k.
+std::uint32_t IntegerDecoder::read_difference(ArithmeticDecoder& decoder) {
+    const std::uint32_t k = num_last_bits_;
+    if (k == 0) return decoder.bit(smallest_);
+    if (k >= 32) return 0x80000000U;
+    std::uint32_t c = decoder.symbol(upper_bits(k));
+    if (k > kUpperBits) {
+        const unsigned num_lower = k - kUpperBits;
+        c = c << num_lower | decoder.bits(num_lower);
+    }
+    return c >= 1U << (k - 1) ? c + 1 : c - ((1U << k) - 1);
+}
+
+std::int32_t IntegerDecoder::read(ArithmeticDecoder& decoder, std::int32_t predicted,
+                                  std::size_t context) {
+    num_last_bits_ = decoder.symbol(sizes_[context]);
+    const std::uint32_t sum = static_cast<std::uint32_t>(predicted) + read_difference(decoder);
+    const std::uint32_t kept = num_bits_ < 32 ? sum & ((1U << num_bits_) - 1) : sum;
+    return static_cast<std::int32_t>(kept);
+}
+
+}  // namespace pointbake
