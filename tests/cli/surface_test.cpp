@@ -82,7 +82,8 @@ INSTANTIATE_TEST_SUITE_P(Clouds, AutoOnRealFiles,
                                          RealCase{"textured/ferry_tile.obj", "open"},
                                          RealCase{"textured/copyroom.obj", "open"},
                                          RealCase{"colored_points/lion_takanawa.ply", "open"},
-                                         RealCase{"colored_points/o3d_livingroom_002.ply", "open"}),
+                                         RealCase{"colored_points/o3d_livingroom_002.ply", "open"},
+                                         RealCase{"colored_points/qcompass_outcrop.laz", "open"}),
                          [](const auto& c) { return fs::path(c.param.file).stem().string(); });
 
 // Two clouds of one surface, one with patches a sixteenth as dense as the rest, make the same mesh.
