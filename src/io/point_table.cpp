@@ -18,13 +18,6 @@ constexpr std::size_t kGrain = 8192;
 // cloud that dark would be black.
 constexpr double kUnitColorMax = 1.5;
 
-std::string lower(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return out;
-}
-
 /// Names of values that must never be averaged.
 bool is_category_name(std::string_view name) {
     constexpr std::array<std::string_view, 13> kNames{
@@ -71,6 +64,13 @@ void for_values(const TableBlock& block, std::size_t column, Body&& body) {
 }
 
 }  // namespace
+
+std::string lower(std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return out;
+}
 
 PointTable::PointTable(std::vector<TableColumn> columns, std::string path, std::string_view lacks)
     : columns_(std::move(columns)), path_(std::move(path)), taken_(columns_.size()) {

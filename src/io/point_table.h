@@ -81,4 +81,7 @@ class PointTable {
     PointRows out_;
 };
 
+/// Names of columns are compared in lower case (ASCII).
+std::string lower(std::string_view text);
+
 }  // namespace pointbake

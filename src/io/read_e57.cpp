@@ -12,6 +12,7 @@
 #include "io/e57_scans.h"
 #include "io/e57_streams.h"
 #include "io/finish_cloud.h"
+#include "io/scanner.h"
 #include "io/text_points.h"
 
 namespace pointbake {
@@ -98,7 +99,7 @@ class E57Reader {
             first_row += static_cast<std::size_t>(scans_[i].num_points);
         }
         PointRows points = table.finish(context_);
-        drop_empty(points);
+        drop_no_returns(points, is_empty_, "point", "marked as invalid, or 0 0 0");
         add_sensors(points);
         points.notes.insert(points.notes.end(), notes_.begin(), notes_.end());
         return points;
@@ -231,20 +232,6 @@ class E57Reader {
         }
     }
 
-    void drop_empty(PointRows& points) const {
-        std::size_t num_empty = 0;
-        for (std::size_t row = 0; row < is_empty_.size(); ++row) {
-            if (is_empty_[row] == 0) continue;
-            drop_row(points.cloud, row, DropReason::kNoReturn);
-            ++num_empty;
-        }
-        if (num_empty > 0)
-            points.notes.push_back(
-                fmt::format("{} without a return (marked as invalid, or 0 0 0): "
-                            "dropped",
-                            counted(num_empty, "point")));
-    }
-
     /// A scan's pose says where its scanner stood; without one, what has rows and columns was seen
     /// from the origin. Points that were moved before they were written lie far from it.
     void add_sensors(PointRows& points) const {
@@ -252,25 +239,9 @@ class E57Reader {
         for (const E57Scan& scan : scans_) {
             const std::size_t end = begin + static_cast<std::size_t>(scan.num_points);
             const bool is_grid = scan.find("rowIndex") && scan.find("columnIndex");
-            if (scan.has_pose || is_grid) add_sensor(points, begin, end, scan.translation);
+            if (scan.has_pose || is_grid) add_scanner(points, begin, end, scan.translation);
             begin = end;
         }
-    }
-
-    static void add_sensor(PointRows& points, std::size_t begin, std::size_t end, Vec3d sensor) {
-        Box box;
-        for (std::size_t i = begin; i < end; ++i)
-            if (is_finite(points.cloud.positions[i])) box.extend(points.cloud.positions[i]);
-        if (box.is_empty()) return;
-        const Vec3d nearest{std::clamp(sensor.x, box.low.x, box.high.x),
-                            std::clamp(sensor.y, box.low.y, box.high.y),
-                            std::clamp(sensor.z, box.low.z, box.high.z)};
-        if (squared_length(nearest - sensor) <= squared_length(box.high - box.low))
-            face_sensor(points.cloud, begin, end, sensor);
-        else
-            points.notes.push_back(
-                fmt::format("scanner at {:.6g} {:.6g} {:.6g} ignored: far from its points",
-                            sensor.x, sensor.y, sensor.z));
     }
 
     const std::string& name_;

@@ -11,6 +11,7 @@
 #include "core/message.h"
 #include "core/parallel.h"
 #include "io/finish_cloud.h"
+#include "io/scanner.h"
 #include "io/text_numbers.h"
 #include "io/text_points.h"
 
@@ -88,7 +89,7 @@ class PtxReader {
         for (const Scan& scan : scans_) read_scan(scan, table, bad);
         PointRows points = table.finish(context_);
         bad.drop_from(points, source_, scans_[0].num_columns);
-        drop_empty(points);
+        drop_no_returns(points, is_empty_, "row", "0 0 0");
         for (const Scan& scan : scans_) add_sensor(scan, points);
         points.notes.push_back(fmt::format(
             "{}{}", counted(scans_.size(), "scan"),
@@ -186,40 +187,12 @@ class PtxReader {
             });
     }
 
-    void drop_empty(PointRows& points) const {
-        // Bad rows are dropped already; all of them must be in order.
-        std::size_t num_empty = 0;
-        for (std::size_t row = 0; row < is_empty_.size(); ++row) {
-            if (is_empty_[row] == 0) continue;
-            drop_row(points.cloud, row, DropReason::kNoReturn);
-            ++num_empty;
-        }
-        std::sort(points.cloud.dropped.begin(), points.cloud.dropped.end(),
-                  [](const DroppedPoint& a, const DroppedPoint& b) { return a.row < b.row; });
-        if (num_empty > 0)
-            points.notes.push_back(
-                fmt::format("{} without a return (0 0 0): dropped", counted(num_empty, "row")));
-    }
-
     /// Where the scanner stood, if that is known: files whose points were moved elsewhere before
     /// they were written have a matrix that does nothing, and a scanner far from all points.
     void add_sensor(const Scan& scan, PointRows& points) const {
         const std::size_t end = scan.first_row + static_cast<std::size_t>(scan.num_points);
         const Vec3d sensor = scan.matrix[3] == Vec3d{} ? scan.scanner : scan.matrix[3];
-        Box box;
-        for (std::size_t i = scan.first_row; i < end; ++i)
-            if (is_finite(points.cloud.positions[i])) box.extend(points.cloud.positions[i]);
-        if (box.is_empty()) return;
-        const Vec3d nearest{std::clamp(sensor.x, box.low.x, box.high.x),
-                            std::clamp(sensor.y, box.low.y, box.high.y),
-                            std::clamp(sensor.z, box.low.z, box.high.z)};
-        if (squared_length(nearest - sensor) <= squared_length(box.high - box.low))
-            face_sensor(points.cloud, scan.first_row, end, sensor);
-        else
-            points.notes.push_back(
-                fmt::format("scanner at {:.6g} {:.6g} {:.6g} ignored: far from "
-                            "its points",
-                            sensor.x, sensor.y, sensor.z));
+        add_scanner(points, scan.first_row, end, sensor);
     }
 
     TextSource source_;

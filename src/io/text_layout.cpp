@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/message.h"
+#include "io/point_table.h"
 #include "io/text_numbers.h"
 #include "pointbake/vec.h"
 
@@ -19,13 +20,6 @@ constexpr std::size_t kLeastNumbers = 3;
 constexpr std::size_t kMostHeaderLines = 16;
 // Normals are often written with three digits.
 constexpr double kUnitTolerance = 0.02;
-
-std::string lower(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return out;
-}
 
 std::string_view trimmed(std::string_view text, std::string_view what = " \t\r\"") {
     const std::size_t begin = text.find_first_not_of(what);
