@@ -47,22 +47,25 @@ TEST(TangentCell, OfALatticeIsItsRectangleHoweverItIsTurned) {
 }
 
 TEST(TangentCell, OfAPointOnABorderEndsAtOneSpacing) {
-    PointCloud cloud;
-    for (int i = 0; i < 20; ++i)
-        for (int j = -10; j <= 10; ++j) {
-            cloud.positions.push_back({0.1 * i, 0.1 * j, 0.0});
-            cloud.normals.push_back({0.0F, 0.0F, 1.0F});
-        }
-    // The 24 nearest of a point on the border fill half a disc: their spacing reads 1.4 times too
-    // large.
-    const TangentCell cell = cell_of(cloud, 10);
-    EXPECT_GT(cell.area, 0.01 * (0.5 + 1.0));
-    EXPECT_LT(cell.area, 0.01 * (0.5 + 1.5));
-    // Its second moment is about its own middle, not about the point, which lies off it.
-    const double across = std::max(cell.uu, cell.vv), along = std::min(cell.uu, cell.vv);
-    const double width = cell.area / 0.1;
-    EXPECT_NEAR(across, cell.area * width * width / 12.0, 0.05 * across);
-    EXPECT_NEAR(along, cell.area * 0.01 / 12.0, 0.05 * along);
+    for (const bool is_turned : {false, true}) {
+        PointCloud cloud;
+        for (int i = 0; i < 20; ++i)
+            for (int j = -10; j <= 10; ++j) {
+                const double x = 0.1 * i, y = 0.1 * j;
+                cloud.positions.push_back(is_turned ? Vec3d{y, x, 0.0} : Vec3d{x, y, 0.0});
+                cloud.normals.push_back({0.0F, 0.0F, 1.0F});
+            }
+        // The 24 nearest of a point on the border fill half a disc: their spacing reads 1.4 times
+        // too large.
+        const TangentCell cell = cell_of(cloud, 10);
+        EXPECT_GT(cell.area, 0.01 * (0.5 + 1.0));
+        EXPECT_LT(cell.area, 0.01 * (0.5 + 1.5));
+        // Its second moment is about its own middle, not about the point, which lies off it.
+        const double across = std::max(cell.uu, cell.vv), along = std::min(cell.uu, cell.vv);
+        const double width = cell.area / 0.1;
+        EXPECT_NEAR(across, cell.area * width * width / 12.0, 0.05 * across);
+        EXPECT_NEAR(along, cell.area * 0.01 / 12.0, 0.05 * along);
+    }
 }
 
 TEST(TangentCell, IsNotCutByASheetThatFacesTheOtherWay) {

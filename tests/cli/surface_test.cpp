@@ -143,6 +143,26 @@ TEST(Watertight, SheetsAreClosedByTheImplicitMethod) {
     EXPECT_LT(report["simplify"]["points_off_surface"].get<double>(), 60.0);
 }
 
+// A ball over a sheet of four times its area: the ball could be closed, the sheet would be lost.
+TEST(Watertight, WhatWouldLoseMostIsClosedByTheImplicitMethod) {
+    TemporaryFolder folder;
+    std::vector<Vec3d> points;
+    for (const Vec3d& p : egg_points(2000)) points.push_back(p + Vec3d{0.0, 0.0, 3.0});
+    for (int i = -35; i <= 35; ++i)
+        for (int j = -35; j <= 35; ++j)
+            points.push_back({0.1 * i, 0.1 * j, 0.002 * (i * 0.1) * (i * 0.1)});
+    folder.write("in.ply", ascii_ply(points));
+    const ProgramRun run =
+        run_program(folder, {"in.ply", "-o", "out.ply", "--surface", "watertight", "--stop-after",
+                             "reconstruct", "--report", "-"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Json surface = Json::parse(run.out)["reconstruct"];
+    EXPECT_EQ(surface["method"], "implicit") << surface["reason"];
+    EXPECT_THAT(surface["reason"].get<std::string>(), testing::Not(testing::HasSubstr("100.0 %")));
+    EXPECT_EQ(surface["components"], 2);
+    EXPECT_EQ(surface["boundary_loops"], 0);
+}
+
 TEST(Thin, KeepsToAShareOfTheGeometryBound) {
     TemporaryFolder folder;
     folder.write("in.ply", ascii_ply(egg_points(40000)));

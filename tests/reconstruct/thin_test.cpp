@@ -118,13 +118,13 @@ TEST(ThinSmooth, KeepsASphereAsFineAsItBends) {
 }
 
 TEST(ThinSmooth, KeepsFewOfAPlaneAndAllOfItsBorder) {
-    constexpr int kSide = 100;
+    constexpr int kSide = 200;
     const std::vector<Vec3d> points = shapes::plane_cloud(kSide, kSide, 1.0, 0.3).positions;
     const std::vector<Index> kept = thin(points, {.tolerance = 0.02}, {});
     EXPECT_LT(kept.size(), points.size() / 4);
     // Three rounds; points drawn two spacings apart at least are 2.4 spacings apart or so.
     EXPECT_GT(coarsest(points, kept, 1.0), 8.0);
-    EXPECT_LT(coarsest(points, kept, 1.0), 16.0);
+    EXPECT_LT(coarsest(points, kept, 1.0), 20.0);
     std::vector<std::uint8_t> is_kept(points.size(), 0);
     for (Index i : kept) is_kept[i] = 1;
     Box box;
@@ -136,7 +136,7 @@ TEST(ThinSmooth, KeepsFewOfAPlaneAndAllOfItsBorder) {
                                           std::min(p.z - box.low.z, box.high.z - p.z));
         num_lost += to_border < 0.5 && is_kept[i] == 0 ? 1 : 0;
     }
-    EXPECT_LE(num_lost, 2);  // of some 400
+    EXPECT_LE(num_lost, 2);  // of some 800
 }
 
 TEST(ThinSmooth, GrowsSlowlyAwayFromWhatStays) {
