@@ -33,8 +33,9 @@ inline Vec3f linear_to_value(Vec3f v) {
 /// What is splatted, per item of the footprints.
 struct MapValues {
     MapKind kind = MapKind::kColor;
-    std::span<const Vec3f> values;  ///< sharpened
-    std::span<const Vec3f> linear;  ///< the same in linear light; empty for normals
+    std::span<const Vec3f> values;    ///< sharpened
+    std::span<const Vec3f> linear;    ///< the same in linear light; empty for normals
+    std::span<const Vec3f> splatted;  ///< their splatted function at the items
 };
 
 /// Value on the 8-bit scale (0..255, not rounded): errors are measured here. Colours beyond black

@@ -131,7 +131,9 @@ class GivenPainter {
                 const Index t = static_cast<Index>(i);
                 if (is_paintable_[t] == 0 || source_.scene.prints.of(t).empty()) continue;
                 gauge.look_at(t);
+                gauge.gather();
                 gauge.place_probes();
+                gauge.add_border_probes();
                 while (largest + 1 < num_sizes_ && !is_content(gauge, t, largest)) ++largest;
             }
             return largest;
@@ -183,7 +185,9 @@ class GivenPainter {
 
     CapCount why_capped(Index t, TriangleGauge& gauge, const PatchLayout& layout) const {
         gauge.look_at(t);
+        gauge.gather();
         gauge.place_probes();
+        gauge.add_border_probes();
         if (is_paintable_[t] == 0 ||
             static_cast<double>(gauge.error(gauge.texels(layout))) <= limits_.bound)
             return &CappedCounts::by_layout;

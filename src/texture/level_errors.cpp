@@ -78,7 +78,9 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, con
             const auto triangle = static_cast<Index>(t);
             const TriangleFrame& frame = scene.shell.frame(triangle);
             gauge.look_at(triangle);
+            gauge.gather();
             gauge.place_probes();
+            gauge.add_border_probes();
             const double min_pitch = gauge.min_pitch();
             LevelErrors::Patch& patch = out.patches[t];
             patch.begin = static_cast<Index>(levels.size());

@@ -174,7 +174,8 @@ void PagePainter::paint() {
             if (!is_paintable(t)) continue;
             NeedSet owned = owned_by(t);
             const PatchLayout& layout = layout_.triangles[t];
-            gauge.look_at(t, gutter(t) * layout.pitch());
+            gauge.look_at(t);
+            gauge.gather(gutter(t) * layout.pitch());
             PatchTexels texels = gauge.texels(layout, std::move(owned));
             settle_tangent(source_, t, {}, texels, out_.model);
             num_uncovered += copy(t, texels);
@@ -266,6 +267,7 @@ void PagePainter::add_samples(TexelFit& fit) const {
                 gauge.look_at(t);
                 if (layout.pitch() < kCoarse * gauge.spacing()) continue;
                 is_coarse[t] = 1;
+                gauge.gather();
                 PatchLayout halves = layout;
                 const auto half = [](auto x) { return x + x; };
                 for (Vec2d& corner : halves.corners) corner = half(corner) + Vec2d{0.5, 0.5};
@@ -352,10 +354,11 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
             areas[t] = source_.scene.shell.frame(t).area();
             if (!(areas[t] > 0.0)) continue;
             gauge.look_at(t);
-            gauge.place_probes(false);
+            gauge.place_probes();
             at_points[t] = {gauge.num_probes(), gauge.probed_area(), 0.0F};
             if (source_.map.kind == MapKind::kNormal) {
                 if (!is_paintable(t)) continue;
+                gauge.gather();
                 const PatchTexels texels = gauge.texels(layout_.triangles[t]);
                 raw.measure(t, texels);
                 at_points[t].rms = gauge.error(texels);

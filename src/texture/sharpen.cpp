@@ -146,12 +146,14 @@ int choose_rounds(const Splatting& splatting, MapKind kind, const std::vector<Ve
 Sharpened sharpen(const SplatScene& scene, MapKind kind, std::vector<Vec3f> values,
                   std::span<const std::uint64_t> rows, const Context& context) {
     const Splatting splatting(scene, context);
-    Sharpened out{values, choose_rounds(splatting, kind, values, rows)};
+    Sharpened out{values, values, choose_rounds(splatting, kind, values, rows)};
     std::vector<Vec3f> next = values;
     for (int r = 0; r < out.rounds; ++r) {
         round(splatting, kind, values, out.values, {}, next);
         out.values.swap(next);
     }
+    splatting.apply(out.values, {},
+                    [&](Index item, Vec3f r, RoundErrors&) { out.splatted[item] = r; });
     return out;
 }
 

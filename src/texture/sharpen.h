@@ -11,7 +11,8 @@
 namespace pointbake {
 
 struct Sharpened {
-    std::vector<Vec3f> values;  ///< per item of the footprints
+    std::vector<Vec3f> values;    ///< per item of the footprints
+    std::vector<Vec3f> splatted;  ///< R(values) at each item that is not hidden
     int rounds = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.h"
 
@@ -124,6 +125,7 @@ class TexelFit::System {
             }
         }
         for (const Pair& pair : fit.pairs_) pairs_.push_back({ends(pair.a), ends(pair.b)});
+        find_pulls();
     }
 
     std::size_t size() const { return texels_.size(); }
@@ -142,8 +144,12 @@ class TexelFit::System {
         return out;
     }
 
-    void multiply(const Vector& x, Vector& out, const Context& context) const {
+    void multiply(const Vector& x, Vector& out, const Context& context) {
         const std::vector<Stencil>& m = fit_.matrix_;
+        for_all(pairs_.size(), context, [&](std::size_t p) {
+            differences_[p] =
+                (read(x, pairs_[p].first) - read(x, pairs_[p].second)) * fit_.pairs_[p].weight;
+        });
         for_all(size(), context, [&](std::size_t i) {
             const std::size_t t = texels_[i], w = rows_[i];
             Vec3f sum = x[i] * (m[t].self + fit_.prior_[t]);
@@ -160,20 +166,20 @@ class TexelFit::System {
                 if (t >= w) add(t - w, m[t - w].lower);
                 if (t >= w - 1) add(t - w + 1, m[t - w + 1].lower_left);
             }
+            for (Index k = pull_begin_[i]; k < pull_begin_[i + 1]; ++k)
+                sum += differences_[pulls_[k].pair] * pulls_[k].weight;
             out[i] = sum;
         });
-        for (std::size_t p = 0; p < pairs_.size(); ++p) {
-            const auto& [a, b] = pairs_[p];
-            const Vec3f difference = (read(x, a) - read(x, b)) * fit_.pairs_[p].weight;
-            scatter(a, difference, out);
-            scatter(b, difference * -1.0F, out);
-        }
     }
 
  private:
     struct Ends {
         std::array<Index, 4> at;
         std::array<float, 4> weights;
+    };
+    struct Pull {
+        Index pair;
+        float weight;  // negative at the pair's second end
     };
     Ends ends(const Tap& tap) const {
         Ends out{{}, tap.weights};
@@ -187,9 +193,23 @@ class TexelFit::System {
             if (e.at[k] != kInvalidIndex) sum += x[e.at[k]] * e.weights[k];
         return sum;
     }
-    static void scatter(const Ends& e, Vec3f value, Vector& out) {
-        for (std::size_t k = 0; k < 4; ++k)
-            if (e.at[k] != kInvalidIndex) out[e.at[k]] += value * e.weights[k];
+    // For each texel the pairs that pull at it.
+    void find_pulls() {
+        const auto for_each_pull = [&](auto&& visit) {
+            for (Index p = 0; p < pairs_.size(); ++p)
+                for (const auto& [end, sign] :
+                     {std::pair(&pairs_[p].first, 1.0F), std::pair(&pairs_[p].second, -1.0F)})
+                    for (std::size_t k = 0; k < 4; ++k)
+                        if (end->at[k] != kInvalidIndex)
+                            visit(end->at[k], Pull{p, sign * end->weights[k]});
+        };
+        differences_.resize(pairs_.size());
+        pull_begin_.assign(size() + 1, 0);
+        for_each_pull([&](Index texel, Pull) { ++pull_begin_[texel + 1]; });
+        std::partial_sum(pull_begin_.begin(), pull_begin_.end(), pull_begin_.begin());
+        pulls_.resize(pull_begin_.back());
+        std::vector<Index> next(pull_begin_.begin(), pull_begin_.end() - 1);
+        for_each_pull([&](Index texel, Pull pull) { pulls_[next[texel]++] = pull; });
     }
 
     const TexelFit& fit_;
@@ -197,10 +217,13 @@ class TexelFit::System {
     std::vector<std::size_t> texels_;  // that move
     std::vector<std::size_t> rows_;    // widths of their pages
     std::vector<std::pair<Ends, Ends>> pairs_;
+    std::vector<Vec3f> differences_;  // per pair, of the vector that is multiplied
+    std::vector<Index> pull_begin_;   // per texel, into pulls_
+    std::vector<Pull> pulls_;
 };
 
 TexelFit::Values TexelFit::solve(const Context& context) const {
-    const System system(*this);
+    System system(*this);
     const std::size_t size = system.size();
     // Jacobi's preconditioner.
     const std::vector<float> inverse = system.inverse_diagonal();

@@ -91,7 +91,7 @@ struct TextureBaker::Impl {
         std::vector<std::uint64_t> rows(raw.size());
         for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = cloud.rows[prints.items[i].point];
         if (options.paper) {
-            sharpened.values = raw;
+            sharpened.values = sharpened.splatted = raw;  // eq. (1) is against the points' own
         } else {
             sharpened = sharpen(scene, kind, raw, rows, context);
         }
@@ -163,7 +163,8 @@ struct TextureBaker::Impl {
     double largest_stretch(const PageLayout& layout, const TexturePlan& plan) const;
     CapCount why_capped(Index t, const TexturePlan& plan, double bound) const;
     PaintSource source() const {
-        return {scene, cloud, {kind, sharpened.values, linear}, raw, options.paper};
+        return {
+            scene, cloud, {kind, sharpened.values, linear, sharpened.splatted}, raw, options.paper};
     }
 };
 

@@ -15,13 +15,16 @@ constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle
 
 }  // namespace
 
-void TriangleGauge::look_at(Index triangle, double border) {
+void TriangleGauge::look_at(Index triangle) {
     triangle_ = triangle;
     spacing_ = mean_spacing();
     min_pitch_ = find_min_pitch();
     probes_.clear();
-    field_.gather(triangle,
-                  border + kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle]));
+}
+
+void TriangleGauge::gather(double border) {
+    field_.gather(triangle_,
+                  border + kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle_]));
 }
 
 double TriangleGauge::mean_spacing() const {
@@ -64,20 +67,15 @@ PatchTexels TriangleGauge::texels(const PatchLayout& layout, NeedSet need) const
     return splat_patch(field_, map_, layout, std::move(need), filter(layout.pitch()));
 }
 
-void TriangleGauge::place_probes(bool with_border) {
+void TriangleGauge::place_probes() {
     const std::span<const Footprint> own = scene_.prints.of(triangle_);
     for (std::size_t k = 0; k < own.size(); ++k) {
         const Footprint& f = own[k];
         if (f.hidden) continue;
-        const float area = cloud_.areas[f.point];
-        if (is_paper_)
-            probes_.push_back({f.center,
-                               to_steps(map_.kind, map_.values[scene_.prints.begin[triangle_] + k]),
-                               area});
-        else
-            add_probe(f.center, area);
+        const std::size_t item = scene_.prints.begin[triangle_] + k;
+        probes_.push_back(
+            {f.center, to_steps(map_.kind, map_.splatted[item]), cloud_.areas[f.point]});
     }
-    if (with_border && !is_paper_) add_border_probes();
 }
 
 double TriangleGauge::probed_area() const {
@@ -86,21 +84,20 @@ double TriangleGauge::probed_area() const {
     return area;
 }
 
-void TriangleGauge::add_probe(Vec2f place, float weight) {
-    const SplatSum s = field_.evaluate(place, map_.values);
-    if (s.weight > 0.0F) probes_.push_back({place, to_steps(map_.kind, s.sum / s.weight), weight});
-}
-
-// The points say nothing of the border, where the neighbour's patch takes over: look there, too.
 void TriangleGauge::add_border_probes() {
+    if (is_paper_) return;
     const TriangleFrame& frame = scene_.shell.frame(triangle_);
     const auto weight = static_cast<float>(std::min(0.5 * spacing_ * spacing_, frame.area() / 4.0));
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec2d from = frame.corners[k], along = frame.corners[(k + 1) % 3] - from;
         const double wanted = spacing_ > 0.0 ? length(along) / spacing_ : 1.0;
         const int count = static_cast<int>(std::clamp(wanted, 1.0, double{kMaxEdgeProbes}));
-        for (int i = 0; i < count; ++i)
-            add_probe(vec_cast<float>(from + along * (static_cast<double>(i) / count)), weight);
+        for (int i = 0; i < count; ++i) {
+            const auto place = vec_cast<float>(from + along * (static_cast<double>(i) / count));
+            const SplatSum s = field_.evaluate(place, map_.values);
+            if (s.weight > 0.0F)
+                probes_.push_back({place, to_steps(map_.kind, s.sum / s.weight), weight});
+        }
     }
 }
 

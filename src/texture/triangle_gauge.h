@@ -20,11 +20,14 @@ class TriangleGauge {
                   bool is_paper = false)
         : scene_(scene), cloud_(cloud), map_(map), is_paper_(is_paper), field_(scene) {}
 
-    /// Gathers the splats that reach the triangle grown by `border` (cloud units).
-    void look_at(Index triangle, double border = 0.0);
-    /// Chooses the places where errors are measured: the triangle's points, and its border if sizes
-    /// are still to be chosen. Without, no error is known.
-    void place_probes(bool with_border = true);
+    void look_at(Index triangle);
+    /// Gathers the splats that reach the triangle grown by `border` (cloud units): texels() and
+    /// add_border_probes() need them.
+    void gather(double border = 0.0);
+    /// Errors are measured at the triangle's points. Without, no error is known.
+    void place_probes();
+    /// And at its border, where the neighbour's patch takes over and the points say nothing.
+    void add_border_probes();
     /// Points that are looked at, and the area that they stand for.
     std::size_t num_probes() const { return probes_.size(); }
     double probed_area() const;
@@ -49,8 +52,6 @@ class TriangleGauge {
     };
     double mean_spacing() const;
     TexelFilter filter(double pitch) const;
-    void add_probe(Vec2f place, float weight);
-    void add_border_probes();
     double find_min_pitch() const;
 
     SplatScene scene_;
