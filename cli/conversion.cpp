@@ -147,7 +147,9 @@ class Run {
             write_text(job_.files.work_dir / "options.json", job_.all_options + "\n");
             observer = work_dir_observer(job_.files.work_dir, job_.write, context_);
         }
-        ConvertResult result = converted(std::move(input), options, observer);
+        ConvertResult result = naming(report_.input, [&] {
+            return pointbake::convert(std::move(input), options, observer, context_);
+        });
         report_.convert = result.report;
         for (std::string& line : missed_bounds(report_)) {
             console_.warning(line);
@@ -156,17 +158,6 @@ class Run {
         report_.convert.times.insert(report_.convert.times.begin(), load_time_);
         if (report_.last_stage >= Stage::kSimplify) add_distributions(report_, result.light);
         return result;
-    }
-
-    /// What is wrong with the points is told with the name of their file.
-    ConvertResult converted(ConvertInput input, const ConvertOptions& options,
-                            const StageObserver& observer) const {
-        try {
-            return pointbake::convert(std::move(input), options, observer, context_);
-        } catch (const Error& error) {
-            if (error.code() != ErrorCode::kDegenerate) throw;
-            fail(error.code(), "{}: {}", report_.input, error.what());
-        }
     }
 
     ConvertResult loaded_only(ConvertInput input) {
@@ -211,7 +202,9 @@ class Run {
     }
 
     void tell_plan(const ConvertInput& input) const {
-        for (const std::string& line : plan_lines(job_, input, context_)) print_data(line + "\n");
+        const std::vector<std::string> lines =
+            naming(report_.input, [&] { return plan_lines(job_, input, context_); });
+        for (const std::string& line : lines) print_data(line + "\n");
     }
 
     bool fails_strict() const {

@@ -6,6 +6,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+
+#include "core/message.h"
 
 namespace pointbake::cli {
 
@@ -33,6 +36,20 @@ bool is_packed(const std::filesystem::path& path);
 /// names: one of its textures.
 void check_no_texture(const std::filesystem::path& output,
                       std::span<const std::filesystem::path> inputs);
+
+/// Calls what works on the points of a file. Errors about the points say which file it is.
+template <class Work>
+auto naming(std::string_view input, Work&& work) {
+    try {
+        return work();
+    } catch (const Error& error) {
+        const bool is_about_points = error.code() == ErrorCode::kDegenerate ||
+                                     error.code() == ErrorCode::kInvalidInput ||
+                                     error.code() == ErrorCode::kEmpty;
+        if (!is_about_points) throw;
+        fail(error.code(), "{}: {}", input, error.what());
+    }
+}
 
 /// "dir/name.ext" and an ending make "dir/name<ending>".
 std::filesystem::path beside(const std::filesystem::path& file, std::string_view ending);
