@@ -24,7 +24,6 @@ struct Options {
     cli::FileOptions files;
     cli::LimitOptions limits;
     cli::RunOptions run;
-    cli::PictureOptions picture;
     cli::OptionTable table;
 
     Options() {
@@ -43,7 +42,6 @@ struct Options {
         add(files);
         add(limits);
         add(run);
-        add(picture);
     }
 };
 
