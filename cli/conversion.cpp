@@ -7,6 +7,7 @@
 #include "core/message.h"
 #include "core/parallel.h"
 #include "files.h"
+#include "memory_watch.h"
 #include "summary.h"
 #include "work_dir.h"
 
@@ -119,7 +120,7 @@ class Run {
         check_outputs(job_);
         std::uint64_t promised = 0;
         for (const fs::path& input : job_.inputs) promised += promised_points(input).value_or(0);
-        check_memory(job_, promised);
+        if (promised > 0) check_memory(job_, promised);
     }
 
     ConvertInput load() {
@@ -223,7 +224,9 @@ class Run {
 
 }  // namespace
 
-ConvertResult run_job(const Job& job, Console& console, const std::stop_token& stop) {
+namespace {
+
+ConvertResult run_steps(const Job& job, Console& console, const std::stop_token& stop) {
     Run run(job, console, stop);
     run.check();
     ConvertInput input = run.load();
@@ -241,6 +244,22 @@ ConvertResult run_job(const Job& job, Console& console, const std::stop_token& s
         fail(ErrorCode::kLimit,
              "a bound is not met (see the warnings), and with --strict no model is written then");
     return result;
+}
+
+}  // namespace
+
+ConvertResult run_job(const Job& job, Console& console, const std::stop_token& stop) {
+    std::optional<std::uint64_t> most_bytes;
+    if (job.limits.max_memory) most_bytes = job.limits.max_memory->bytes;
+    const MemoryWatch memory(most_bytes, stop);
+    try {
+        return run_steps(job, console, memory.token());
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::kCancelled || !memory.is_exceeded()) throw;
+        fail(ErrorCode::kLimit,
+             "{}: more memory is needed than --max-memory {}; fewer points need less (--subsample)",
+             fmt::join(names(job.inputs), " "), bytes_text(*most_bytes));
+    }
 }
 
 }  // namespace pointbake::cli

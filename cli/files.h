@@ -1,4 +1,4 @@
-// Looking at files before the long work: may the output be written, how many points come in.
+// Looking at files before the long work: may the output be written, would it overwrite an input.
 #pragma once
 
 #include <cstdint>
@@ -56,10 +56,6 @@ std::filesystem::path beside(const std::filesystem::path& file, std::string_view
 
 /// Writes a text whole or not at all.
 void write_text(const std::filesystem::path& path, std::string_view text);
-
-/// Points that a PLY header promises, but no more than fit into the file; nothing for other files.
-/// Only a forecast: the reader says what is wrong with a file.
-std::optional<std::uint64_t> promised_points(const std::filesystem::path& path);
 
 /// Whether an existing file is a PLY of points alone, or one that pointbake did not write.
 /// Overwriting such a one is likelier a slip than a wish.

@@ -1,10 +1,11 @@
 """Conversions in which the system fails: run_faults.py PROGRAM SHIM [--kills N].
 
-Every call that opens, writes, closes or renames an output fails in turn; the input cannot be read; the folder vanishes;
+With --max-memory, too little of it. Every call that opens, writes, closes or renames an output fails in turn; the input cannot be read; the folder vanishes;
 the program is killed. What was there before stays, or what is new is there whole; nothing temporary is left.
 """
 import argparse
 import errno
+import gzip
 import json
 import math
 import os
@@ -146,6 +147,21 @@ class Faults:
                 found.append(f"exit code {code}: {err}")
             self.report(fault, found)
 
+    def little_memory(self):
+        """Refused at once where the header tells; packed, nothing tells before it is too much."""
+        header = b"ply\nformat binary_little_endian 1.0\nelement vertex 2000000\n" + b"".join(
+            b"property float %c\n" % axis for axis in b"xyz") + b"end_header\n"
+        body = random.Random(1).randbytes(24_000_000)
+        for what, says, data, most in (("told by the header", "are expected to need", header + body, "2G"),
+                                       ("packed", "more memory is needed", gzip.compress(header + body, 1), "20M")):
+            scene = self.scene(["out.glb"])
+            (scene.folder / "in.ply").write_bytes(data)
+            code, err = scene.run(self.program, ["out.glb", "--max-memory", most])
+            found = list(judge(scene.files(), {"out.glb": b""}, ["out.glb"]))
+            if code != 5 or says not in err:
+                found.append(f"exit code {code}: {err}")
+            self.report(what, found)
+
     def kills(self, count):
         wanted = self.reference(["out.glb"])
         begin = time.monotonic()
@@ -175,6 +191,7 @@ def main():
     with tempfile.TemporaryDirectory() as top:
         faults = Faults(arguments, pathlib.Path(top))
         faults.lost_input()
+        faults.little_memory()
         faults.vanishing_folder()
         faults.each_call("out.glb", MORE)
         for output in ("out.gltf", "out.obj", "out.ply"):
