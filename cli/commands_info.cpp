@@ -1,6 +1,7 @@
 // pointbake info FILE: what is in a file, and what a conversion would do with it.
 #include "command_setup.h"
 #include "commands.h"
+#include "files.h"
 #include "summary.h"
 
 namespace pointbake::cli {
@@ -42,7 +43,9 @@ void run_info(Words words, const std::stop_token& stop) {
     job.output = std::filesystem::path(line.inputs[0]).replace_extension(".glb");
     const ConvertInput input{
         .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};
-    for (const std::string& entry : plan_lines(job, input, context)) text += entry + "\n";
+    const std::vector<std::string> plan =
+        naming(line.inputs[0].string(), [&] { return plan_lines(job, input, context); });
+    for (const std::string& entry : plan) text += entry + "\n";
     print_data(text);
 }
 

@@ -7,6 +7,7 @@
 #include "core/message.h"
 #include "core/parallel.h"
 #include "files.h"
+#include "memory_watch.h"
 #include "summary.h"
 #include "work_dir.h"
 
@@ -119,7 +120,7 @@ class Run {
         check_outputs(job_);
         std::uint64_t promised = 0;
         for (const fs::path& input : job_.inputs) promised += promised_points(input).value_or(0);
-        check_memory(job_, promised);
+        if (promised > 0) check_memory(job_, promised);
     }
 
     ConvertInput load() {
@@ -147,7 +148,9 @@ class Run {
             write_text(job_.files.work_dir / "options.json", job_.all_options + "\n");
             observer = work_dir_observer(job_.files.work_dir, job_.write, context_);
         }
-        ConvertResult result = converted(std::move(input), options, observer);
+        ConvertResult result = naming(report_.input, [&] {
+            return pointbake::convert(std::move(input), options, observer, context_);
+        });
         report_.convert = result.report;
         for (std::string& line : missed_bounds(report_)) {
             console_.warning(line);
@@ -156,17 +159,6 @@ class Run {
         report_.convert.times.insert(report_.convert.times.begin(), load_time_);
         if (report_.last_stage >= Stage::kSimplify) add_distributions(report_, result.light);
         return result;
-    }
-
-    /// What is wrong with the points is told with the name of their file.
-    ConvertResult converted(ConvertInput input, const ConvertOptions& options,
-                            const StageObserver& observer) const {
-        try {
-            return pointbake::convert(std::move(input), options, observer, context_);
-        } catch (const Error& error) {
-            if (error.code() != ErrorCode::kDegenerate) throw;
-            fail(error.code(), "{}: {}", report_.input, error.what());
-        }
     }
 
     ConvertResult loaded_only(ConvertInput input) {
@@ -211,7 +203,9 @@ class Run {
     }
 
     void tell_plan(const ConvertInput& input) const {
-        for (const std::string& line : plan_lines(job_, input, context_)) print_data(line + "\n");
+        const std::vector<std::string> lines =
+            naming(report_.input, [&] { return plan_lines(job_, input, context_); });
+        for (const std::string& line : lines) print_data(line + "\n");
     }
 
     bool fails_strict() const {
@@ -230,7 +224,9 @@ class Run {
 
 }  // namespace
 
-ConvertResult run_job(const Job& job, Console& console, const std::stop_token& stop) {
+namespace {
+
+ConvertResult run_steps(const Job& job, Console& console, const std::stop_token& stop) {
     Run run(job, console, stop);
     run.check();
     ConvertInput input = run.load();
@@ -248,6 +244,22 @@ ConvertResult run_job(const Job& job, Console& console, const std::stop_token& s
         fail(ErrorCode::kLimit,
              "a bound is not met (see the warnings), and with --strict no model is written then");
     return result;
+}
+
+}  // namespace
+
+ConvertResult run_job(const Job& job, Console& console, const std::stop_token& stop) {
+    std::optional<std::uint64_t> most_bytes;
+    if (job.limits.max_memory) most_bytes = job.limits.max_memory->bytes;
+    const MemoryWatch memory(most_bytes, stop);
+    try {
+        return run_steps(job, console, memory.token());
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::kCancelled || !memory.is_exceeded()) throw;
+        fail(ErrorCode::kLimit,
+             "{}: more memory is needed than --max-memory {}; fewer points need less (--subsample)",
+             fmt::join(names(job.inputs), " "), bytes_text(*most_bytes));
+    }
 }
 
 }  // namespace pointbake::cli

@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 
 // Longer headers exist only in broken files.
 constexpr std::size_t kLongestHeader = 1 << 16;
-// The shortest point is three one-byte integers.
-constexpr std::uint64_t kLeastBytesPerPoint = 3;
 
 /// The header of a PLY file as text, up to end_header; empty for anything else.
 std::string ply_header(const fs::path& path) {
@@ -131,14 +129,6 @@ void write_text(const fs::path& path, std::string_view text) {
     AtomicFile file(path);
     file.write(text);
     file.commit();
-}
-
-std::optional<std::uint64_t> promised_points(const fs::path& path) {
-    const std::optional<std::uint64_t> count = element_count(ply_header(path), "vertex");
-    std::error_code error;
-    const std::uint64_t size = fs::file_size(path, error);
-    if (!count || error) return std::nullopt;
-    return std::min(*count, size / kLeastBytesPerPoint);
 }
 
 bool is_likely_input(const fs::path& path) {

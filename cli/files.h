@@ -1,4 +1,4 @@
-// Looking at files before the long work: may the output be written, how many points come in.
+// Looking at files before the long work: may the output be written, would it overwrite an input.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+
+#include "core/message.h"
 
 namespace pointbake::cli {
 
@@ -34,15 +37,25 @@ bool is_packed(const std::filesystem::path& path);
 void check_no_texture(const std::filesystem::path& output,
                       std::span<const std::filesystem::path> inputs);
 
+/// Calls what works on the points of a file. Errors about the points say which file it is.
+template <class Work>
+auto naming(std::string_view input, Work&& work) {
+    try {
+        return work();
+    } catch (const Error& error) {
+        const bool is_about_points = error.code() == ErrorCode::kDegenerate ||
+                                     error.code() == ErrorCode::kInvalidInput ||
+                                     error.code() == ErrorCode::kEmpty;
+        if (!is_about_points) throw;
+        fail(error.code(), "{}: {}", input, error.what());
+    }
+}
+
 /// "dir/name.ext" and an ending make "dir/name<ending>".
 std::filesystem::path beside(const std::filesystem::path& file, std::string_view ending);
 
 /// Writes a text whole or not at all.
 void write_text(const std::filesystem::path& path, std::string_view text);
-
-/// Points that a PLY header promises, but no more than fit into the file; nothing for other files.
-/// Only a forecast: the reader says what is wrong with a file.
-std::optional<std::uint64_t> promised_points(const std::filesystem::path& path);
 
 /// Whether an existing file is a PLY of points alone, or one that pointbake did not write.
 /// Overwriting such a one is likelier a slip than a wish.

@@ -1,9 +1,13 @@
 #include "signals.h"
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <array>
 #include <chrono>
+#include <cstring>
+
+#include "core/mapped_file.h"
 
 namespace pointbake::cli {
 namespace {
@@ -18,9 +22,33 @@ sigset_t stop_signals() {
     return set;
 }
 
+void print(const char* text) {
+    // Nothing can be done about a stderr that is closed.
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, std::strlen(text));
+}
+
+/// An input that became shorter, or whose disk fails, while it is read. No file is being written
+/// then, so that the end may be at once.
+void end_for_lost_input(int signal_number, siginfo_t* info, void*) {
+    constexpr int kInputUnreadable = 3;
+    const char* const name = MappedFile::name_at(info->si_addr);
+    if (name == nullptr) {
+        signal(signal_number, SIG_DFL);
+        return;
+    }
+    print("pointbake: error: ");
+    print(name);
+    print(": cannot be read to its end: it became shorter meanwhile, or its disk fails\n");
+    ::_exit(kInputUnreadable);
+}
+
 }  // namespace
 
 StopOnSignal::StopOnSignal() {
+    struct sigaction lost_input{};
+    lost_input.sa_sigaction = end_for_lost_input;
+    lost_input.sa_flags = SA_SIGINFO;
+    sigaction(SIGBUS, &lost_input, nullptr);
     // A closed pipe and a full quota are errors of a write, not reasons to die and leave a
     // temporary file behind.
     signal(SIGPIPE, SIG_IGN);

@@ -1,4 +1,4 @@
-// POSIX rename(2) replaces the target in one step. Devices and pipes cannot be replaced: they are
+// rename(2) replaces the target in one step. Devices and pipes cannot be replaced: they are
 // written directly.
 #include "core/atomic_file.h"
 
@@ -73,6 +73,8 @@ struct AtomicFile::Impl {
     fs::path temporary;  // empty if the target is written directly
     fs::path renamed;    // the target with symbolic links followed
     int file = -1;
+    bool is_committed = false;
+    bool holds_old = false;  // the temporary file is what the target was
     std::vector<std::byte> buffer;
 
     ~Impl() {
@@ -87,6 +89,7 @@ struct AtomicFile::Impl {
         write_out(buffer);
         buffer.clear();
     }
+    void put_in_place();
 };
 
 void AtomicFile::Impl::open_target() {
@@ -139,6 +142,19 @@ void AtomicFile::Impl::write_out(std::span<const std::byte> bytes) {
     }
 }
 
+/// The old target takes the temporary name, so that commit() can be undone; where there is none, or
+/// the file system cannot exchange names, it is replaced.
+void AtomicFile::Impl::put_in_place() {
+    const auto rename_with = [&](unsigned flags) {
+        return ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, renamed.c_str(), flags) == 0;
+    };
+    holds_old = rename_with(RENAME_EXCHANGE);
+    if (!holds_old && ::rename(temporary.c_str(), renamed.c_str()) != 0)
+        fail_output(target, errno);
+    is_committed = true;
+    if (!holds_old) temporary.clear();
+}
+
 AtomicFile::AtomicFile(fs::path target) : impl_(std::make_unique<Impl>()) {
     impl_->target = std::move(target);
     impl_->buffer.reserve(kBufferBytes);
@@ -166,9 +182,15 @@ void AtomicFile::commit() {
     const int closed = ::close(impl_->file);
     impl_->file = -1;
     if (closed != 0 && errno != EINTR) fail_output(impl_->target, errno);
-    if (impl_->temporary.empty()) return;
-    if (::rename(impl_->temporary.c_str(), impl_->renamed.c_str()) != 0)
-        fail_output(impl_->target, errno);
+    if (!impl_->temporary.empty()) impl_->put_in_place();
+}
+
+void AtomicFile::undo() noexcept {
+    if (!impl_->is_committed) return;
+    if (impl_->holds_old)
+        ::rename(impl_->temporary.c_str(), impl_->renamed.c_str());
+    else
+        ::unlink(impl_->renamed.c_str());
     impl_->temporary.clear();
 }
 

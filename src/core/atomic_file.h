@@ -27,7 +27,10 @@ class AtomicFile {
         write(std::as_bytes(std::span<const T>(&value, 1)));
     }
     std::uint64_t size() const { return size_; }
+    /// Puts the file in place of the target.
     void commit();
+    /// After commit(): the target is again what it was, as far as the system allows.
+    void undo() noexcept;
 
  private:
     struct Impl;

@@ -6,7 +6,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <system_error>
 
 #include "core/message.h"
@@ -19,6 +22,9 @@ namespace {
          std::generic_category().message(error));
 }
 
+// Those that are mapped now; a file for which no place is left has no name.
+std::array<std::atomic<const MappedFile*>, 64> open_files{};
+
 /// Closes the descriptor on every way out; the mapping outlives it.
 struct Descriptor {
     int value;
@@ -29,7 +35,7 @@ struct Descriptor {
 
 }  // namespace
 
-MappedFile::MappedFile(const std::filesystem::path& path) {
+MappedFile::MappedFile(const std::filesystem::path& path) : name_(path.string()) {
     // O_NONBLOCK: opening a pipe without a writer must fail below, not wait.
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     if (file.value < 0) fail_input(path, errno);
@@ -45,10 +51,30 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
     if (mapping == MAP_FAILED) fail_input(path, errno);
     ::madvise(mapping, size_, MADV_WILLNEED);  // a hint: its failure changes nothing
     data_ = static_cast<const std::byte*>(mapping);
+    for (auto& place : open_files) {
+        const MappedFile* free = nullptr;
+        if (place.compare_exchange_strong(free, this)) break;
+    }
 }
 
 MappedFile::~MappedFile() {
-    if (data_ != nullptr) ::munmap(const_cast<std::byte*>(data_), size_);
+    if (data_ == nullptr) return;
+    for (auto& place : open_files) {
+        const MappedFile* own = this;
+        if (place.compare_exchange_strong(own, nullptr)) break;
+    }
+    ::munmap(const_cast<std::byte*>(data_), size_);
+}
+
+const char* MappedFile::name_at(const void* address) {
+    const auto at = reinterpret_cast<std::uintptr_t>(address);
+    for (const auto& place : open_files) {
+        const MappedFile* const file = place;
+        if (file == nullptr) continue;
+        const auto begin = reinterpret_cast<std::uintptr_t>(file->data_);
+        if (at >= begin && at - begin < file->size_) return file->name_.c_str();
+    }
+    return nullptr;
 }
 
 }  // namespace pointbake

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 
 namespace pointbake {
 
@@ -18,7 +19,12 @@ class MappedFile {
 
     std::span<const std::byte> bytes() const { return {data_, size_}; }
 
+    /// What was opened, if a mapped file lies at this address, else nullptr. May be called by a
+    /// signal handler: bytes that cannot be read are a SIGBUS.
+    static const char* name_at(const void* address);
+
  private:
+    std::string name_;
     const std::byte* data_ = nullptr;
     std::size_t size_ = 0;
 };

@@ -41,8 +41,13 @@ class ScanReader {
         const pugi::xml_node points = node_.child("points");
         scan_.points_at = number_in<std::uint64_t>(points.attribute("fileOffset").value())
                               .value_or(std::numeric_limits<std::uint64_t>::max());
-        scan_.num_points =
-            number_in<std::uint64_t>(points.attribute("recordCount").value()).value_or(0);
+        const std::string_view count = points.attribute("recordCount").value();
+        const std::optional<std::uint64_t> num_points = number_in<std::uint64_t>(count);
+        if (!num_points)
+            fail(ErrorCode::kInvalidInput,
+                 "{}: scan {}: recordCount is '{}'; a number of points is wanted", name_, number_,
+                 count);
+        scan_.num_points = *num_points;
         for (const pugi::xml_node& field : points.child("prototype").children()) add_field(field);
         read_pose();
         read_color_limits();

@@ -76,7 +76,7 @@ void E57Streams::read_data_packet(Bytes packet, std::size_t at) {
 
 void E57Streams::check_lengths() const {
     // Points of no bits at all are all the same; no file needs many.
-    constexpr std::uint64_t kMostWithoutBits = 1 << 20;
+    constexpr std::uint64_t kMostWithoutBits = 1 << 18;
     std::uint64_t most = kMostWithoutBits;
     bool has_bits = false;
     for (std::size_t k = 0; k < streams_.size(); ++k) {

@@ -129,6 +129,12 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
     return out;
 }
 
+/// Whether a path leads nowhere but into the folder that it is relative to.
+bool stays_inside(const std::filesystem::path& path) {
+    const std::filesystem::path normal = path.lexically_normal();
+    return normal.is_relative() && !normal.empty() && *normal.begin() != "..";
+}
+
 }  // namespace
 
 GltfFile::GltfFile(std::span<const std::byte> bytes, const std::filesystem::path& path)
@@ -142,7 +148,13 @@ GltfFile::GltfFile(std::span<const std::byte> bytes, const std::filesystem::path
         if (uri == buffer.end() || !uri->is_string()) {
             buffers_.push_back({{}, nullptr, binary_});
         } else {
-            buffers_.push_back(read_uri(uri->get_ref<const std::string&>()));
+            const auto& name = uri->get_ref<const std::string&>();
+            // Bytes of any file would pass for coordinates.
+            if (!name.starts_with("data:") && !stays_inside(decode_percent(name)))
+                fail(ErrorCode::kInvalidInput,
+                     "{}: buffers[{}] is '{}'; a file in the same folder or below is wanted", name_,
+                     buffers_.size(), name);
+            buffers_.push_back(read_uri(name));
         }
     }
 }

@@ -18,9 +18,20 @@ namespace {
 constexpr std::uint64_t kMaxTexels = std::uint64_t{1} << 28;  // 16384 x 16384
 constexpr std::uint64_t kMaxDeflateRatio = 1032;              // [RFC1951]: 258 bytes from 2 bits
 
+// No painting of more texels than this is packed so small.
+constexpr std::uint64_t kSureTexels = std::uint64_t{1} << 24, kMostPerByte = 64;
+
 void check_size(std::uint64_t width, std::uint64_t height, const std::string& name) {
     if (width * height > kMaxTexels)
         fail(ErrorCode::kLimit, "{}: {} x {} texels; at most 2^28 are read", name, width, height);
+}
+
+void check_packing(std::uint64_t width, std::uint64_t height, std::size_t num_bytes,
+                   const std::string& name) {
+    if (width * height <= kSureTexels || width * height / kMostPerByte <= num_bytes) return;
+    fail(ErrorCode::kLimit,
+         "{}: {} x {} texels from {} bytes; beyond 2^24 at most {} per byte are read", name, width,
+         height, num_bytes, kMostPerByte);
 }
 
 Image make_image(std::uint32_t width, std::uint32_t height) {
@@ -49,6 +60,7 @@ Image decode_png(std::span<const std::byte> bytes, const std::string& name) {
     if (raw_bytes / kMaxDeflateRatio > bytes.size())
         fail(ErrorCode::kInvalidInput, "{}: damaged PNG: {} bytes cannot hold {} x {} texels", name,
              bytes.size(), header.width, header.height);
+    check_packing(header.width, header.height, bytes.size(), name);
     Image image = make_image(header.width, header.height);
     check(spng_decode_image(context.get(), image.pixels.data(), image.pixels.size(), SPNG_FMT_RGB8,
                             0));
@@ -67,8 +79,11 @@ Image decode_jpeg(std::span<const std::byte> bytes, const std::string& name) {
         fail_here();
     if (colorspace == TJCS_CMYK || colorspace == TJCS_YCCK)
         fail(ErrorCode::kUnsupported, "{}: a CMYK JPEG; RGB and grey ones are read", name);
-    check_size(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height), name);
-    Image image = make_image(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+    const auto num_columns = static_cast<std::uint32_t>(width);
+    const auto num_rows = static_cast<std::uint32_t>(height);
+    check_size(num_columns, num_rows, name);
+    check_packing(num_columns, num_rows, bytes.size(), name);
+    Image image = make_image(num_columns, num_rows);
     // Warnings (a file that is cut off in its last rows) leave a usable image.
     if (tjDecompress2(decoder.get(), data, bytes.size(), image.pixels.data(), width, 0, height,
                       TJPF_RGB, TJFLAG_ACCURATEDCT) != 0 &&

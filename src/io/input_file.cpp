@@ -19,15 +19,16 @@ namespace pointbake {
 namespace {
 
 constexpr std::size_t kStep = std::size_t{1} << 20;  // unpacked between two polls
-// What unpacks to more than this is taken for a bomb: real tables of points shrink to a fiftieth at
-// best, scans with many empty rows a little further.
-constexpr std::size_t kMostUnpacked = std::size_t{1} << 28, kMostRatio = 200;
+// What begins with more than this from so few bytes is taken for a bomb: real tables of points
+// shrink to a fiftieth at best, scans with many empty rows a little further.
+constexpr std::size_t kSureUnpacked = std::size_t{1} << 25, kMostRatio = 200;
 
-void check_ratio(std::size_t num_unpacked, std::size_t num_packed, const std::string& name) {
-    if (num_unpacked / kMostRatio <= num_packed || num_unpacked <= kMostUnpacked) return;
+/// While unpacking: the bytes taken so far against what came of them.
+void check_ratio(std::size_t num_unpacked, std::size_t num_taken, const std::string& name) {
+    if (num_unpacked / kMostRatio <= num_taken || num_unpacked <= kSureUnpacked) return;
     fail(ErrorCode::kLimit,
-         "{}: {} bytes unpack to more than {}: more than any cloud would; unpack it by hand", name,
-         num_packed, num_unpacked);
+         "{}: its first {} bytes unpack to {}: more than any cloud would; unpack it by hand", name,
+         num_taken, num_unpacked);
 }
 
 /// Some writers pad with zeros.
@@ -104,7 +105,7 @@ ByteBuffer unpack_gzip(std::span<const std::byte> bytes, const std::string& name
         const int status = inflate(&z, Z_NO_FLUSH);
         num_read += num_given - z.avail_in;
         out.add(kStep - z.avail_out);
-        check_ratio(out.bytes().size(), bytes.size(), name);
+        check_ratio(out.bytes().size(), num_read, name);
         if (status == Z_STREAM_END) {
             const std::span<const std::byte> rest = bytes.subspan(num_read);
             if (is_padding(rest)) return out;
@@ -132,16 +133,19 @@ ByteBuffer unpack_zstd(std::span<const std::byte> bytes, const std::string& name
     const std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)> stream(ZSTD_createDStream(),
                                                                                ZSTD_freeDStream);
     if (!stream) throw std::bad_alloc();
-    // Packed with --long, up to the largest window of the format.
-    constexpr int kMostWindowLog = 31;
-    ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax, kMostWindowLog);
+    // Room for the window is made at once. The usual limit for what is small; packed with --long, up
+    // to the largest window of the format.
+    constexpr int kUsualWindowLog = 27, kMostWindowLog = 31;
+    const bool is_small = bytes.size() < (std::size_t{1} << kUsualWindowLog) / kMostRatio;
+    ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax,
+                           is_small ? kUsualWindowLog : kMostWindowLog);
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     for (;;) {
         check_cancelled(context);
         ZSTD_outBuffer step{out.grow(kStep).data(), kStep, 0};
         const std::size_t status = ZSTD_decompressStream(stream.get(), &step, &in);
         out.add(step.pos);
-        check_ratio(out.bytes().size(), bytes.size(), name);
+        check_ratio(out.bytes().size(), in.pos, name);
         if (ZSTD_isError(status))
             fail(ErrorCode::kInvalidInput, "{}: byte {}: the zstd data are damaged ({})", name,
                  in.pos, ZSTD_getErrorName(status));

@@ -39,6 +39,7 @@ std::uint64_t cell_index(double coordinate, double cell) {
     // Divisions by powers of two are exact. Wrapping only permutes the curve's first octants.
     const double cells = std::floor(coordinate / cell);
     const double wrapped = cells - std::floor(cells / kCellsPerAxis) * kCellsPerAxis;
+    if (std::isnan(wrapped)) return 0;  // an extent beyond all numbers has one cell
     return static_cast<std::uint64_t>(wrapped) & ((1U << kBitsPerAxis) - 1U);
 }
 

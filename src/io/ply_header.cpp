@@ -65,6 +65,16 @@ std::string quoted(std::string_view text) {
     return out + (text.size() > 40 ? "...'" : "'");
 }
 
+/// A name that several of these have, unless it is empty.
+template <class Named>
+std::string_view name_of_several(const std::vector<Named>& all) {
+    std::vector<std::string_view> names;
+    for (const Named& named : all) names.push_back(named.name);
+    std::ranges::sort(names);
+    const auto twice = std::ranges::adjacent_find(names);
+    return twice == names.end() ? std::string_view() : *twice;
+}
+
 class HeaderReader {
  public:
     HeaderReader(std::string_view text, const std::string& path) : text_(text), path_(path) {}
@@ -77,6 +87,7 @@ class HeaderReader {
             fail_here(
                 "the header has no 'format' line; 'format ascii 1.0', 'format "
                 "binary_little_endian 1.0' or 'format binary_big_endian 1.0' is wanted");
+        check_names();
         header_.num_bytes = position_;
         return std::move(header_);
     }
@@ -86,6 +97,16 @@ class HeaderReader {
     [[noreturn]] void fail_here(fmt::format_string<Args...> format, Args&&... args) const {
         fail(ErrorCode::kInvalidInput, "{}:{}: {}", path_, header_.num_lines,
              fmt::format(format, std::forward<Args>(args)...));
+    }
+
+    /// Which of two is meant nobody knows.
+    void check_names() const {
+        if (const std::string_view name = name_of_several(header_.elements); !name.empty())
+            fail_here("there are several elements {}; one is wanted", quoted(name));
+        for (const PlyElement& element : header_.elements)
+            if (const std::string_view name = name_of_several(element.properties); !name.empty())
+                fail_here("element {} has several properties {}; one is wanted",
+                          quoted(element.name), quoted(name));
     }
 
     void skip_to_magic() {

@@ -163,12 +163,12 @@ class LazReader {
     /// Points that hardly change take next to no bytes, so that the header's count cannot be told
     /// from the size; but no real file is packed like that.
     void check_size() const {
-        constexpr std::uint64_t kSureBytes = 256ULL << 20, kMostTimes = 200;
+        constexpr std::uint64_t kSureBytes = 8ULL << 20, kMostTimes = 200;
         const std::uint64_t most = std::max(kSureBytes, bytes_.size() * kMostTimes);
         if (header_.num_points > most / header_.record_bytes)
             fail(ErrorCode::kLimit,
                  "{}: the header promises {} points of {} bytes, but the file has {} bytes: more "
-                 "than 256 MiB and {} times its size is not believed",
+                 "than 8 MiB and {} times its size is not believed",
                  name_, header_.num_points, header_.record_bytes, bytes_.size(), kMostTimes);
     }
 

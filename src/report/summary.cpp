@@ -8,9 +8,9 @@
 namespace pointbake {
 namespace {
 
-// What a whole conversion takes at its peak, measured: the triangulation's cells dominate.
-constexpr std::uint64_t kBytesPerPoint = 1300;
-constexpr std::uint64_t kBytesAtLeast = 300'000'000;
+// What a whole conversion takes at its peak, measured on scans (docs/reliability.md).
+constexpr std::uint64_t kBytesPerPoint = 1500;
+constexpr std::uint64_t kBytesAtLeast = 100'000'000;
 
 constexpr std::size_t kQueriesPerChunk = 4096;  // some milliseconds of nearest-neighbour queries
 

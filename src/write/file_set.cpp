@@ -1,7 +1,5 @@
 #include "write/file_set.h"
 
-#include <system_error>
-
 #include "core/message.h"
 
 namespace pointbake {
@@ -19,12 +17,7 @@ void FileSet::commit(WriteReport& report) {
     try {
         while (next > 0) files_[--next]->commit();
     } catch (...) {
-        for (std::size_t i = next + 1; i < files_.size(); ++i) {
-            std::error_code ignored;
-            // Never a device, which was written directly.
-            if (std::filesystem::is_regular_file(paths_[i], ignored))
-                std::filesystem::remove(paths_[i], ignored);
-        }
+        while (++next < files_.size()) files_[next]->undo();
         throw;
     }
 }

@@ -10,8 +10,7 @@
 
 namespace pointbake {
 
-/// Files of one output. They are committed together; if that fails half-way, those already there
-/// are removed.
+/// Files of one output. They are committed together; if that fails half-way, all is as it was.
 class FileSet {
  public:
     /// A new file; the first one added is the main one, which is committed last.
