@@ -42,7 +42,6 @@ bool read_line(std::span<const std::string> words, const CommandText& text, Opti
 void finish_job(Job& job, OptionTable& table) {
     job.all_options = table.dump(false);
     job.result_options = table.dump(true);
-    if (job.write.scale > 0.0) table.apply_scale(job.write.scale);
 }
 
 void settle_files(ParsedLine& line, std::size_t num_inputs, std::string_view what,

@@ -37,8 +37,8 @@ std::vector<std::string> names(const std::vector<fs::path>& paths) {
 }
 
 void check_options(const Job& job) {
-    if (!(job.write.scale > 0.0))
-        fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", job.write.scale);
+    if (job.write.scale && !(*job.write.scale > 0.0))
+        fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", *job.write.scale);
     validate(job.convert);
     if (job.convert.texture.keep_uvs && job.mesh.mesh.empty())
         fail(ErrorCode::kInvalidOption, "--keep-uvs needs a mesh to keep them of: --mesh FILE");
@@ -130,6 +130,8 @@ class Run {
             parts.push_back(load_cloud(input, job_.load, context_));
         LoadResult loaded = merge_clouds(std::move(parts), context_);
         report_.load = loaded.report;
+        report_.frame = loaded.cloud.frame;
+        loaded.cloud.frame = settled_frame(std::move(loaded.cloud.frame), job_.write);
         check_memory(job_, loaded.cloud.size());
         ConvertInput input{
             .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};

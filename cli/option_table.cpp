@@ -27,8 +27,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return previous[b.size()];
 }
 
-bool is_metric(const OptionEntry& entry) { return entry.is_length && entry.given.ends_with('m'); }
-
 }  // namespace
 
 OptionEntry* OptionTable::find(std::string_view name) {
@@ -69,19 +67,11 @@ void OptionTable::set_from_json(std::string_view json_text, std::string_view sou
     }
 }
 
-void OptionTable::apply_scale(double scale) {
-    for (OptionEntry& entry : entries_) {
-        if (!is_metric(entry)) continue;
-        entry.set(fmt::format("{}", parse_length(entry.given).value / scale));
-    }
-}
-
 std::string OptionTable::dump(bool only_result) const {
     Json object = Json::object();
     for (const OptionEntry& entry : entries_) {
         if (only_result && !entry.shapes_result) continue;
-        // Metres stay metres: read back, they have to follow --scale again.
-        object[entry.name] = is_metric(entry) ? Json(entry.given) : Json::parse(entry.json());
+        object[entry.name] = Json::parse(entry.json());
     }
     return object.dump(2);
 }

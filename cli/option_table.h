@@ -32,7 +32,6 @@ struct OptionEntry {
     std::string default_json;    ///< as JSON text
     bool shapes_result = false;  ///< whether the output depends on it: goes into the report
     std::string given;           ///< text it was last set from; empty = default
-    bool is_length = false;
     std::function<void(std::string_view)> set;
     std::function<std::string()> json;
 };
@@ -54,7 +53,6 @@ class OptionTable {
                  .default_json = OptionValue<T>::json(value),
                  .shapes_result = shapes_result,
                  .given = {},
-                 .is_length = std::is_same_v<T, Length> || std::is_same_v<T, std::optional<Length>>,
                  .set = [&value](std::string_view text) { value = OptionValue<T>::parse(text); },
                  .json = [&value] { return OptionValue<T>::json(value); }});
         });
@@ -66,8 +64,6 @@ class OptionTable {
     void set(std::string_view name, std::string_view text);
     /// Sets what a JSON object says, except the options that were given already: flags win.
     void set_from_json(std::string_view json_text, std::string_view source);
-    /// Lengths that were given in metres become cloud units, of `scale` metres each.
-    void apply_scale(double scale);
 
     std::vector<std::string_view> names() const;
     /// All options as a JSON object; or only those that shape the result.

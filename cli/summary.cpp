@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "frame_lines.h"
+
 namespace pointbake::cli {
 namespace {
 
@@ -120,10 +122,11 @@ std::string file_line(const RunReport& r) {
                        bytes_text(r.write.num_bytes), r.seconds, bytes_text(r.peak_bytes));
 }
 
-std::string cleaning_plan(const Job& job, const ConvertInput& input, const Context& context) {
+std::string cleaning_plan(const ConvertOptions& convert, const ConvertInput& input,
+                          const Context& context) {
     PointCloud points;
     points.positions = input.cloud.positions;
-    const CleanOptions options = cleaning_for(input, job.convert);
+    const CleanOptions options = cleaning_for(input, convert);
     const CleanReport report = clean(std::move(points), options, context).report;
     if (report.num_dropped() == 0) return "nothing to drop";
     return "drop " + cleaning_text(report);
@@ -196,6 +199,7 @@ std::vector<std::string> summary_lines(const RunReport& r) {
     if (r.last_stage >= Stage::kSimplify) lines.push_back(geometry_line(r));
     if (r.last_stage >= Stage::kTexture && r.convert.atlas.num_texels > 0)
         lines.push_back(texture_line(r));
+    for (std::string& line : frame_lines(r)) lines.push_back(std::move(line));
     if (!r.write.files.empty() || r.output.empty()) lines.push_back(file_line(r));
     return lines;
 }
@@ -218,6 +222,7 @@ std::vector<std::string> missed_bounds(const RunReport& r) {
 
 std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input,
                                     const Context& context) {
+    const ConvertOptions convert = in_cloud_units(job.convert, input.cloud.frame);
     Box box;
     for (const Vec3d& p : input.cloud.positions) box.extend(p);
     std::vector<std::string> lines;
@@ -226,9 +231,9 @@ std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input,
     };
     append("points", fmt::format("{}, {} across", grouped(input.cloud.size()),
                                  fmt::format("{:.6g}", box.diagonal())));
-    append("cleaning", cleaning_plan(job, input, context));
+    append("cleaning", cleaning_plan(convert, input, context));
     append("surface", surface_plan(job, input));
-    append("simplify", simplify_plan(job.convert, box.diagonal()));
+    append("simplify", simplify_plan(convert, box.diagonal()));
     append("colours", input.cloud.colors.empty() ? "none in the file" : "in the file");
     append("texture", texture_plan(job.convert.texture));
     append("stop after", to_word(job.stop.stop_after));
@@ -249,8 +254,9 @@ std::vector<std::string> info_lines(const LoadReport& load, const CloudSummary& 
     if (num_faces > 0) append("faces", grouped(num_faces));
     append("extent", fmt::format("{}, diagonal {:.7g}", vector_text(cloud.box.extent()),
                                  cloud.box.diagonal()));
-    append("origin", fmt::format("{:.10g} {:.10g} {:.10g} (lowest corner)", cloud.box.low.x,
+    append("origin", fmt::format("{} {} {} (lowest corner)", cloud.box.low.x,
                                  cloud.box.low.y, cloud.box.low.z));
+    for (const auto& [label, text] : frame_facts(cloud.frame, load)) append(label, text);
     append("spacing", fmt::format("median {:.4g}, 5 % below {:.4g}, 5 % above {:.4g}",
                                   cloud.spacing.median, cloud.spacing.p05, cloud.spacing.p95));
     for (const AttributeRange& range : cloud.attributes)

@@ -7,19 +7,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-WriteReport write_points_as(const PointCloud& cloud, const fs::path& path, const Context& context) {
-    write_cloud(cloud, path, context);
-    WriteReport report;
-    report.num_bytes = fs::file_size(path);
-    report.num_vertices = cloud.size();
-    report.files = {path};
-    return report;
-}
-
-WriteReport write_mesh_as(const Mesh& mesh, const fs::path& path, const WriteOptions& options,
-                          const Context& context) {
+WriteReport write_mesh_as(const Mesh& mesh, const Frame& frame, const fs::path& path,
+                          const WriteOptions& options, const Context& context) {
     TexturedMesh model;
     model.mesh = mesh;
+    model.frame = frame;
     return write_model(model, path, options, context);
 }
 
@@ -30,11 +22,11 @@ WriteReport write_stage(Stage stage, const ConvertResult& result, const fs::path
     switch (stage) {
         case Stage::kLoad:
         case Stage::kAttributes:
-            return write_points_as(result.cloud, path, context);
+            return write_cloud(result.cloud, path, context);
         case Stage::kReconstruct:
-            return write_mesh_as(result.dense.mesh, path, options, context);
+            return write_mesh_as(result.dense.mesh, result.cloud.frame, path, options, context);
         case Stage::kSimplify:
-            return write_mesh_as(result.light.mesh, path, options, context);
+            return write_mesh_as(result.light.mesh, result.cloud.frame, path, options, context);
         case Stage::kTexture:
         case Stage::kWrite:
             break;

@@ -249,7 +249,31 @@ void check_given(const ConvertInput& input, const ConvertOptions& options) {
              "--crop and --subsample do not go with --surface given: the faces need their points");
 }
 
+Length in_units(Length length, double metres_per_unit) {
+    return length.kind == Length::Kind::kMetres ? units(length.value / metres_per_unit) : length;
+}
+
+// All lengths of a struct of options.
+template <class Options>
+void settle_lengths(Options& options, double metres_per_unit) {
+    Options::describe([&](std::string_view, auto member, std::string_view) {
+        using T = std::remove_cvref_t<decltype(options.*member)>;
+        auto& value = options.*member;
+        if constexpr (std::is_same_v<T, Length>) value = in_units(value, metres_per_unit);
+        if constexpr (std::is_same_v<T, std::optional<Length>>)
+            if (value) value = in_units(*value, metres_per_unit);
+    });
+}
+
 }  // namespace
+
+ConvertOptions in_cloud_units(ConvertOptions options, const Frame& frame) {
+    if (frame.metres_per_unit == 0.0) return options;
+    settle_lengths(options.clean, frame.metres_per_unit);
+    settle_lengths(options.reconstruct, frame.metres_per_unit);
+    settle_lengths(options.simplify, frame.metres_per_unit);
+    return options;
+}
 
 void validate(const ConvertOptions& options) {
     if (options.texture.texture_error && !(*options.texture.texture_error >= 0.0))
@@ -283,8 +307,9 @@ CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& optio
     return cleaning;
 }
 
-ConvertResult convert(ConvertInput input, const ConvertOptions& options,
+ConvertResult convert(ConvertInput input, const ConvertOptions& given,
                       const StageObserver& observer, const Context& context) {
+    const ConvertOptions options = in_cloud_units(given, input.cloud.frame);
     ConvertResult result;
     StageRunner stages(result, options, observer, context);
     validate(options);
@@ -340,6 +365,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& options,
                                         result.light.point_triangles, layout, options, context);
         for (std::string& warning : baked.warnings) warn(result, context, std::move(warning));
         result.model = std::move(baked.model);
+        result.model.frame = result.cloud.frame;
         result.debug_maps = std::move(baked.debug_maps);
         const bool open = has_border(result.model.mesh);
         for (Material& material : result.model.materials) material.is_double_sided = open;

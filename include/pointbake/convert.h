@@ -85,14 +85,18 @@ using StageObserver = std::function<void(Stage, const ConvertResult&)>;
 /// Throws Error{kInvalidOption} for options that contradict each other.
 void validate(const ConvertOptions& options);
 
+/// The same options with lengths in metres as lengths in the cloud's units.
+ConvertOptions in_cloud_units(ConvertOptions options, const Frame& frame);
+
 /// How convert cleans this input. Where the surface is given, it says what belongs to it: outliers
 /// and floating pieces are not looked for. Throws Error{kInvalidOption} where the faces of the same
 /// file would lose points, and for options of a reconstruction that is not done.
 CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options);
 
-/// Throws Error as the stages do, and Error{kDegenerate} for a reconstructed surface that leaves
+/// Lengths in metres follow the cloud's frame, which goes on to the model. Throws Error as the
+/// stages do, and Error{kDegenerate} for a reconstructed surface that leaves
 /// out more than half of the points.
-ConvertResult convert(ConvertInput input, const ConvertOptions& options = {},
+ConvertResult convert(ConvertInput input, const ConvertOptions& given = {},
                       const StageObserver& observer = {}, const Context& context = {});
 
 }  // namespace pointbake

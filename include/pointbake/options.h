@@ -20,9 +20,9 @@
 namespace pointbake {
 
 /// A length: a fraction of the bounding-box diagonal ("0.1%"), cloud units ("0.002") or metres
-/// ("2mm", "1.5cm", "3m"). One cloud unit is one metre after --scale, which the caller applies.
+/// ("2mm", "1.5cm", "3m"). Stages take a cloud unit for a metre; in_cloud_units() knows better.
 struct Length {
-    enum class Kind { kFraction, kUnits };
+    enum class Kind { kFraction, kUnits, kMetres };
     Kind kind = Kind::kUnits;
     double value = 0.0;
 
@@ -32,6 +32,7 @@ struct Length {
     friend bool operator==(const Length&, const Length&) = default;
 };
 constexpr Length fraction(double f) { return {Length::Kind::kFraction, f}; }
+constexpr Length metres(double m) { return {Length::Kind::kMetres, m}; }
 constexpr Length units(double u) { return {Length::Kind::kUnits, u}; }
 
 /// Reads "0.1%", "0.002", "2mm"; throws Error{kInvalidOption} naming what would be accepted.

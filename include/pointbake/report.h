@@ -36,6 +36,7 @@ struct CloudSummary {
     Box box;
     Quantiles spacing;  ///< distance of each point to its nearest neighbour
     std::vector<AttributeRange> attributes;
+    Frame frame;
 };
 
 /// O(n log n), a few seconds for ten million points.
@@ -50,6 +51,7 @@ struct RunReport {
     std::string input, output;   ///< as given
     std::string options = "{}";  ///< JSON object of the options that shape the result
     LoadReport load;
+    Frame frame;  ///< as the input tells it; write.frame is what was made of it
     ConvertReport convert;
     WriteReport write;
     Stage last_stage = Stage::kWrite;

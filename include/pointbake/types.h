@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "pointbake/options.h"
 #include "pointbake/vec.h"
 
 namespace pointbake {
@@ -57,6 +58,33 @@ struct DroppedPoint {
 
 enum class ChannelKind : std::uint8_t { kScalar, kCategory, kVector };
 
+/// Which axis of the coordinates points up.
+enum class UpAxis { kAuto, kX, kY, kZ, kMinusY };
+template <>
+struct EnumWords<UpAxis> {
+    static constexpr std::string_view words[] = {"auto", "x", "y", "z", "-y"};
+};
+
+/// A coordinate reference system.
+struct Crs {
+    std::string name;            ///< "NAD83 / UTM zone 15N"; empty = none is known
+    int epsg = 0;                ///< its EPSG code; 0 = not known
+    std::string vertical;        ///< name of the system of the heights; empty = not told
+    bool is_geographic = false;  ///< x and y are angles
+    std::string wkt;  ///< its horizontal part as ESRI's WKT, which .prj files hold; empty = not known
+    friend bool operator==(const Crs&, const Crs&) = default;
+};
+
+/// Where coordinates stand in space, as far as their file tells.
+struct Frame {
+    UpAxis up = UpAxis::kAuto;     ///< kAuto: not told; taken for y
+    double metres_per_unit = 0.0;  ///< 0: not told; taken for 1
+    std::string unit;              ///< of x and y, "US survey foot"; empty = not told
+    std::string height_unit;       ///< of the heights, where the file tells it apart
+    Crs crs;
+    friend bool operator==(const Frame&, const Frame&) = default;
+};
+
 /// Any other attribute of the points: intensity, classification, confidence, ...
 struct Channel {
     std::string name;
@@ -82,6 +110,8 @@ struct PointCloud {
     std::vector<float> weights;       ///< confidence or opacity, (0, 1]
     std::vector<std::uint64_t> rows;  ///< input row of each point
     std::vector<Channel> channels;
+
+    Frame frame;
 
     double noise = 0.0;  ///< across the surface, in local spacings, if it was measured
 
@@ -151,6 +181,7 @@ struct TexturedMesh {
     std::vector<Index> triangle_materials;   ///< per triangle; empty = all 0
     std::vector<Material> materials;
     std::vector<Image> images;
+    Frame frame;
 };
 
 }  // namespace pointbake

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,24 +18,21 @@ template <>
 struct EnumWords<Shading> {
     static constexpr std::string_view words[] = {"unlit", "lit"};
 };
-enum class UpAxis { kAuto, kX, kY, kZ };
-template <>
-struct EnumWords<UpAxis> {
-    static constexpr std::string_view words[] = {"auto", "x", "y", "z"};
-};
 
 struct WriteOptions {
     Shading shading = Shading::kUnlit;
     UpAxis up = UpAxis::kAuto;
-    double scale = 1.0;
+    std::optional<double> scale;
     template <class Field>
     static void describe(Field&& field) {
         field("shading", &WriteOptions::shading,
               "unlit: colours as captured; lit: with normals, for a lit scene");
         field("up", &WriteOptions::up,
-              "which axis of the input points up (a node transform; coordinates stay)");
+              "which axis of the input points up (a node transform; coordinates stay); auto: as its kind "
+              "of file has it");
         field("scale", &WriteOptions::scale,
-              "metres per unit of the input (a node transform; coordinates stay)");
+              "metres per unit of the input (a node transform; coordinates stay); default: as its CRS "
+              "says, else 1");
     }
 };
 
@@ -42,24 +40,30 @@ struct WriteReport {
     std::uint64_t num_bytes = 0;       ///< all files together
     std::uint64_t num_vertices = 0;    ///< after splits along texture borders
     std::uint64_t num_draw_calls = 0;  ///< primitives
-    bool has_translation =
-        false;  ///< coordinates were too large for floats: a node translation carries them
+    Frame frame;         ///< what the input tells, or options overrule
+    Vec3d global_shift;  ///< what a node translation carries, as floats would lose it; else zero
+    std::filesystem::path prj;  ///< the CRS beside the output; empty = none
     std::vector<std::filesystem::path> files;
 };
+
+/// The input's frame, where options do not overrule it.
+Frame settled_frame(Frame frame, const WriteOptions& options);
 
 /// Writes by extension: .glb, .gltf (+ .bin, .png), .obj (+ .mtl, .png), .ply (texture coordinates
 /// per face, or vertex colours). glTF passes the Khronos validator with 0 errors and 0 warnings:
 /// normals only where lit, samplers that clamp (repeat where a page does) and use mip levels only
 /// where a page has them, exact accessor bounds. Coordinates that lose more than 1e-6 of the
-/// diagonal as floats are written relative to a node translation. Throws Error{kOutput} and leaves
+/// diagonal as floats are written relative to a node translation. The model's frame turns and scales a
+/// glTF's node, and is told in its extras and in comments of OBJ and PLY; a CRS that is known goes
+/// into a .prj beside the model, unless another one is there already (a warning). Throws Error{kOutput} and leaves
 /// nothing behind; Error{kUnsupported} names the extensions that are known.
 WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
                         const WriteOptions& options = {}, const Context& context = {});
 
 /// Writes points as binary little-endian PLY, doubles where the coordinates need them, with every
-/// attribute and channel.
-void write_cloud(const PointCloud& cloud, const std::filesystem::path& path,
-                 const Context& context = {});
+/// attribute and channel, and a .prj like write_model.
+WriteReport write_cloud(const PointCloud& cloud, const std::filesystem::path& path,
+                        const Context& context = {});
 
 /// Writes every input row: coordinates, row, kept (0 or 1), reason; points that `off_surface` marks
 /// are not kept.

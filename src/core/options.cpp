@@ -26,10 +26,10 @@ Length parse_length(std::string_view text) {
     };
     const std::array<Unit, 6> known = {{{"%", fraction(value / 100.0)},
                                         {"", units(value)},
-                                        {"m", units(value)},
-                                        {"cm", units(value * 0.01)},
-                                        {"mm", units(value * 0.001)},
-                                        {"um", units(value * 1e-6)}}};
+                                        {"m", metres(value)},
+                                        {"cm", metres(value * 0.01)},
+                                        {"mm", metres(value * 0.001)},
+                                        {"um", metres(value * 1e-6)}}};
     for (const Unit& unit : known) {
         if (error == std::errc{} && value >= 0.0 && value <= 1e300 && suffix == unit.suffix)
             return unit.length;
@@ -41,8 +41,8 @@ Length parse_length(std::string_view text) {
 }
 
 std::string to_string(const Length& length) {
-    return length.kind == Length::Kind::kFraction ? fmt::format("{}%", length.value * 100.0)
-                                                  : fmt::format("{}", length.value);
+    if (length.kind == Length::Kind::kFraction) return fmt::format("{}%", length.value * 100.0);
+    return fmt::format("{}{}", length.value, length.kind == Length::Kind::kMetres ? "m" : "");
 }
 
 HexColor parse_hex_color(std::string_view text) {

@@ -138,7 +138,7 @@ std::optional<std::size_t> E57Scan::find(std::string_view name) const {
     return std::nullopt;
 }
 
-std::vector<E57Scan> read_e57_scans(std::string_view xml, const std::string& name) {
+E57Scans read_e57_scans(std::string_view xml, const std::string& name) {
     pugi::xml_document document;
     const pugi::xml_parse_result parsed = document.load_buffer(xml.data(), xml.size());
     if (!parsed)
@@ -146,10 +146,11 @@ std::vector<E57Scan> read_e57_scans(std::string_view xml, const std::string& nam
              parsed.offset, parsed.description());
     const pugi::xml_node root = document.child("e57Root");
     if (!root) fail(ErrorCode::kInvalidInput, "{}: the XML has no element 'e57Root'", name);
-    std::vector<E57Scan> scans;
+    E57Scans file;
     for (const pugi::xml_node& node : root.child("data3D").children("vectorChild"))
-        scans.push_back(ScanReader(node, name, scans.size() + 1).read());
-    return scans;
+        file.scans.push_back(ScanReader(node, name, file.scans.size() + 1).read());
+    file.coordinate_metadata = root.child("coordinateMetadata").text().get();
+    return file;
 }
 
 }  // namespace pointbake

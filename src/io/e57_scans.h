@@ -36,7 +36,13 @@ struct E57Scan {
     std::optional<std::size_t> find(std::string_view name) const;
 };
 
+/// Of the whole file.
+struct E57Scans {
+    std::vector<E57Scan> scans;
+    std::string coordinate_metadata;  ///< the CRS, mostly as WKT; empty = not told
+};
+
 /// Throws Error{kInvalidInput} naming `name`.
-std::vector<E57Scan> read_e57_scans(std::string_view xml, const std::string& name);
+E57Scans read_e57_scans(std::string_view xml, const std::string& name);
 
 }  // namespace pointbake

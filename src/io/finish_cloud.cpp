@@ -32,6 +32,7 @@ FinishedCloud finish_cloud(PointRows rows, std::string format, const std::string
 
     LoadReport& report = finished.result.report;
     report.format = std::move(format);
+    report.scanners = std::move(rows.scanners);
     report.notes = std::move(rows.notes);
     report.num_rows = cloud.num_rows;
     report.num_kept = cloud.size();

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/message.h"
+#include "io/crs.h"
 
 namespace pointbake {
 namespace {
@@ -19,6 +20,7 @@ constexpr std::size_t kEvlrBytes = 60;     // of an extended one
 constexpr std::size_t kUserIdBytes = 16;
 constexpr std::uint16_t kExtraBytesRecord = 4;
 constexpr std::uint16_t kLazRecord = 22204;
+constexpr std::uint16_t kWktRecord = 2112, kGeoKeysRecord = 34735, kGeoTextsRecord = 34737;
 
 std::string text_at(Bytes bytes, std::size_t at, std::size_t most) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data() + at), most);
@@ -42,6 +44,7 @@ class HeaderReader {
         read_scale();
         read_records();
         read_extended_records();
+        find_crs();
         return std::move(header_);
     }
 
@@ -177,6 +180,22 @@ class HeaderReader {
         }
         if (record.user_id == "laszip encoded" && record.id == kLazRecord)
             header_.laz_vlr = record.data;
+        if (record.user_id != "LASF_Projection") return;
+        if (record.id == kWktRecord) wkt_ = record.data;
+        if (record.id == kGeoKeysRecord) geo_keys_ = record.data;
+        if (record.id == kGeoTextsRecord) geo_texts_ = record.data;
+    }
+
+    /// Many writers put down both kinds, whatever the header says of them: WKT tells more.
+    void find_crs() {
+        const auto text = [](Bytes bytes) {
+            return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        };
+        header_.frame.up = UpAxis::kZ;
+        std::string note = add_crs(header_.frame, text(wkt_));
+        if (header_.frame.crs.name.empty() && !geo_keys_.empty())
+            note = add_crs(header_.frame, geo_keys_, text(geo_texts_));
+        if (!note.empty()) header_.notes.push_back(std::move(note));
     }
 
     /// A descriptor per field, as far as the record has bytes for them.
@@ -250,6 +269,7 @@ class HeaderReader {
     LasHeader header_;
     std::size_t records_at_ = 0;
     bool has_extra_ = false;
+    Bytes wkt_, geo_keys_, geo_texts_;
 };
 
 }  // namespace

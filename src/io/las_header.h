@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "io/number_type.h"
-#include "pointbake/vec.h"
+#include "pointbake/types.h"
 
 namespace pointbake {
 
@@ -35,6 +35,7 @@ struct LasHeader {
     Vec3d scale, offset;
     std::vector<LasField> extra;         ///< as the record of extra bytes names them
     std::span<const std::byte> laz_vlr;  ///< how the points are compressed
+    Frame frame;
     std::vector<std::string> notes;
 };
 

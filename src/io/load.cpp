@@ -7,6 +7,7 @@
 
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/crs.h"
 #include "io/input_file.h"
 #include "io/mesh_vertices.h"
 #include "io/ply_header.h"
@@ -94,6 +95,19 @@ LoadResult read_stl_points(Bytes bytes, const std::filesystem::path& path, const
          path.string(), kind.empty() ? "of an unknown kind (it does not begin with 'ply')" : kind);
 }
 
+LoadResult with_up(LoadResult result, UpAxis up) {
+    result.cloud.frame.up = up;
+    return result;
+}
+
+/// Those of PTS, which scanners write, have z up.
+LoadResult read_table(std::string_view table, const TextLayout& layout,
+                      const std::filesystem::path& path, const LoadOptions& options,
+                      const Context& context) {
+    const UpAxis up = kind_extension(path) == ".pts" ? UpAxis::kZ : UpAxis::kAuto;
+    return with_up(read_text(table, layout, path, options, context), up);
+}
+
 LoadResult read_any(const std::filesystem::path& path, const LoadOptions& options,
                     const Context& context) {
     const InputFile file(path, context);
@@ -101,13 +115,14 @@ LoadResult read_any(const std::filesystem::path& path, const LoadOptions& option
     if (bytes.empty())
         fail(ErrorCode::kInvalidInput, "{}: the file is empty; points are wanted", path.string());
     if (is_ply(bytes)) return read_ply_cloud(bytes, path, context);
-    if (is_spz(bytes)) return read_spz(bytes, path, context);
+    if (is_spz(bytes)) return with_up(read_spz(bytes, path, context), UpAxis::kY);
     if (kind_extension(path) == ".splat") return read_splat(bytes, path, context);
     if (is_las(bytes)) return read_las(bytes, path, context);
     if (is_e57(bytes)) return read_e57(bytes, path, context);
     if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
-        return vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context);
+        return with_up(
+            vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context), UpAxis::kY);
     if (is_obj(bytes))
         return vertices_as_points(read_obj(bytes, path, context), "OBJ", path, context);
     const std::string_view text = all_text(bytes);
@@ -115,10 +130,11 @@ LoadResult read_any(const std::filesystem::path& path, const LoadOptions& option
     if (is_stl(bytes) || kind_extension(path) == ".stl")
         return read_stl_points(bytes, path, context);
     // A PTX whose first header is damaged must not pass for a table.
-    if (is_ptx(text) || kind_extension(path) == ".ptx") return read_ptx(text, path, context);
+    if (is_ptx(text) || kind_extension(path) == ".ptx")
+        return with_up(read_ptx(text, path, context), UpAxis::kZ);
     const std::string_view table = text.substr(0, text.find_last_not_of('\0') + 1);  // padded
     if (const std::optional<TextLayout> layout = find_text_layout(table, path.string()))
-        return read_text(table, *layout, path, options, context);
+        return read_table(table, *layout, path, options, context);
     fail_unknown(bytes, path);
 }
 
@@ -132,6 +148,8 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
     LoadResult result = read_any(path, options, context);
     if (!options.columns.empty() && !result.report.format.starts_with("text"))
         result.report.notes.emplace_back("--columns not used: it is for tables of text");
+    if (const std::string warning = frame_warning(result.cloud.frame); !warning.empty())
+        log(context, LogLevel::kWarning, "{}: {}", path.string(), warning);
     return result;
 }
 

@@ -114,11 +114,23 @@ void restore_rows(PointCloud& cloud, const Parts& parts) {
     std::ranges::sort(cloud.merged);
 }
 
+/// Coordinates of several frames do not fit together; nothing is transformed.
+Frame common_frame(const Parts& parts, const Context& context) {
+    const Frame& frame = parts[0].cloud.frame;
+    if (std::ranges::any_of(parts, [&](const LoadResult& p) { return p.cloud.frame != frame; }))
+        log(context, LogLevel::kWarning,
+            "the files differ in axes, units or coordinate system: all are taken for what the "
+            "first is");
+    return frame;
+}
+
 LoadReport summed_report(const Parts& parts, const PointCloud& cloud) {
     LoadReport sum;
     sum.format = fmt::format("{} files, the first {}", parts.size(), parts[0].report.format);
     for (const LoadResult& part : parts) {
         if (sum.guess.empty()) sum.guess = part.report.guess;
+        sum.scanners.insert(sum.scanners.end(), part.report.scanners.begin(),
+                            part.report.scanners.end());
         sum.num_non_finite += part.report.num_non_finite;
         sum.num_left_out += part.report.num_left_out;
         sum.num_zero_normals += part.report.num_zero_normals;
@@ -142,6 +154,7 @@ LoadResult merge_clouds(Parts parts, const Context& context) {
         log(context, note.starts_with("colours") ? LogLevel::kWarning : LogLevel::kInfo, "{}",
             note);
     LoadResult result;
+    all.frame = common_frame(parts, context);
     result.cloud = order_cloud(std::move(all), context).cloud;
     restore_rows(result.cloud, parts);
     result.report = summed_report(parts, result.cloud);

@@ -8,6 +8,7 @@
 
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/crs.h"
 #include "io/e57_pages.h"
 #include "io/e57_scans.h"
 #include "io/e57_streams.h"
@@ -101,6 +102,7 @@ class E57Reader {
         PointRows points = table.finish(context_);
         drop_no_returns(points, is_empty_, "point", "marked as invalid, or 0 0 0");
         add_sensors(points);
+        points.cloud.frame = frame_;
         points.notes.insert(points.notes.end(), notes_.begin(), notes_.end());
         return points;
     }
@@ -110,7 +112,11 @@ class E57Reader {
         const std::string_view xml(
             reinterpret_cast<const char*>(file_.content.data()) + file_.xml_at,
             static_cast<std::size_t>(file_.xml_bytes));
-        std::vector<E57Scan> all = read_e57_scans(xml, name_);
+        E57Scans found = read_e57_scans(xml, name_);
+        frame_.up = UpAxis::kZ;
+        if (std::string note = add_crs(frame_, found.coordinate_metadata); !note.empty())
+            notes_.push_back(std::move(note));
+        std::vector<E57Scan>& all = found.scans;
         for (std::size_t i = 0; i < all.size(); ++i) {
             if (all[i].num_points == 0) continue;
             if (!has_all(all[i], kCartesian) && !has_all(all[i], kSpherical))
@@ -125,9 +131,10 @@ class E57Reader {
             scans_.push_back(std::move(all[i]));
         }
         if (scans_.empty()) fail(ErrorCode::kEmpty, "{}: the file holds 0 points", name_);
-        notes_.push_back(counted(all.size(), "scan"));
+        std::string note = counted(all.size(), "scan");
         if (scans_.size() < all.size())
-            notes_.back() += fmt::format(", {} of them with points", scans_.size());
+            note += fmt::format(", {} of them with points", scans_.size());
+        notes_.push_back(std::move(note));
     }
 
     /// Those that all scans have.
@@ -253,6 +260,7 @@ class E57Reader {
     std::size_t num_special_ = 0;  ///< columns that are not one field
     bool has_colors_ = false, has_normals_ = false;
     std::vector<std::uint8_t> is_empty_;  ///< per row
+    Frame frame_;
     std::vector<std::string> notes_;
 };
 

@@ -56,6 +56,7 @@ LoadResult read_las(Bytes bytes, const std::filesystem::path& path, const Contex
     else
         read_records(bytes, header, name, points, context);
     PointRows rows = points.finish(context);
+    rows.cloud.frame = header.frame;
     if (!note.empty()) rows.notes.push_back(std::move(note));
     report_progress(context, "load", 0.5);
     LoadResult result =

@@ -32,7 +32,7 @@ void add_scanner(PointRows& points, std::size_t begin, std::size_t end, Vec3d sc
                         std::clamp(scanner.y, box.low.y, box.high.y),
                         std::clamp(scanner.z, box.low.z, box.high.z)};
     if (squared_length(nearest - scanner) <= squared_length(box.high - box.low))
-        face_sensor(points.cloud, begin, end, scanner);
+        face_sensor(points, begin, end, scanner);
     else
         points.notes.push_back(
             fmt::format("scanner at {:.6g} {:.6g} {:.6g} ignored: far from its points", scanner.x,

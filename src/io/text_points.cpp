@@ -36,12 +36,14 @@ void BadRows::drop_from(PointRows& rows, const TextSource& source, std::size_t n
                                      entries_[0].problem));
 }
 
-void face_sensor(PointCloud& rows, std::size_t begin, std::size_t end, Vec3d sensor) {
-    rows.sensors.resize(rows.positions.size());
+void face_sensor(PointRows& rows, std::size_t begin, std::size_t end, Vec3d sensor) {
+    PointCloud& cloud = rows.cloud;
+    cloud.sensors.resize(cloud.positions.size());
     for (std::size_t i = begin; i < end; ++i) {
-        const Vec3d unit = normalized(sensor - rows.positions[i]);
-        rows.sensors[i] = is_finite(unit) ? vec_cast<float>(unit) : Vec3f{};
+        const Vec3d unit = normalized(sensor - cloud.positions[i]);
+        cloud.sensors[i] = is_finite(unit) ? vec_cast<float>(unit) : Vec3f{};
     }
+    rows.scanners.push_back(sensor);
 }
 
 }  // namespace pointbake

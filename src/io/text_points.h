@@ -42,6 +42,6 @@ class BadRows {
 };
 
 /// Directions from the points [begin, end) to the sensor that saw them; makes room for them.
-void face_sensor(PointCloud& rows, std::size_t begin, std::size_t end, Vec3d sensor);
+void face_sensor(PointRows& rows, std::size_t begin, std::size_t end, Vec3d sensor);
 
 }  // namespace pointbake

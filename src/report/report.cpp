@@ -1,5 +1,6 @@
 #include "pointbake/report.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace pointbake {
@@ -21,6 +22,30 @@ Json to_json(const DistanceStats& d) { return {{"mean", d.mean}, {"rms", d.rms},
 
 Json to_json(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
+/// Null for what is not known.
+Json to_json(const Frame& f) {
+    const auto text = [](const std::string& s) { return s.empty() ? Json() : Json(s); };
+    return {{"up", f.up == UpAxis::kAuto ? Json() : Json(to_word(f.up))},
+            {"metres_per_unit", f.metres_per_unit == 0.0 ? Json() : Json(f.metres_per_unit)},
+            {"unit", text(f.unit)},
+            {"height_unit", text(f.height_unit)},
+            {"crs",
+             {{"name", text(f.crs.name)},
+              {"epsg", f.crs.epsg == 0 ? Json() : Json(f.crs.epsg)},
+              {"vertical", text(f.crs.vertical)},
+              {"is_geographic", f.crs.is_geographic},
+              {"wkt", text(f.crs.wkt)}}}};
+}
+
+/// The first few.
+Json scanner_list(const std::vector<Vec3d>& scanners) {
+    constexpr std::size_t kShown = 100;
+    Json list = Json::array();
+    for (std::size_t i = 0; i < std::min(scanners.size(), kShown); ++i)
+        list.push_back(to_json(scanners[i]));
+    return list;
+}
+
 Json to_json(const LoadReport& r) {
     return {{"format", r.format},
             {"rows", r.num_rows},
@@ -31,6 +56,7 @@ Json to_json(const LoadReport& r) {
               {"merged", r.num_merged},
               {"zero_normals", r.num_zero_normals},
               {"bad_faces", r.num_bad_faces}}},
+            {"scanners", {{"count", r.scanners.size()}, {"positions", scanner_list(r.scanners)}}},
             {"notes", r.notes}};
 }
 
@@ -139,7 +165,9 @@ Json to_json(const WriteReport& r) {
             {"bytes", r.num_bytes},
             {"vertices", r.num_vertices},
             {"draw_calls", r.num_draw_calls},
-            {"has_translation", r.has_translation}};
+            {"frame", to_json(r.frame)},
+            {"global_shift", to_json(r.global_shift)},
+            {"prj", r.prj.empty() ? Json() : Json(r.prj.string())}};
 }
 
 Json timings(const RunReport& r) {
@@ -177,6 +205,7 @@ std::string report_json(const RunReport& r) {
                  {"output", r.output},
                  {"options", Json::parse(r.options)}};
     json["input"].update(to_json(r.load));
+    json["input"]["frame"] = to_json(r.frame);
     json["last_stage"] = to_word(r.last_stage);
     if (r.last_stage >= Stage::kAttributes) {
         json["clean"] = to_json(r.convert.clean);
@@ -211,6 +240,8 @@ std::string info_json(std::string_view file, const LoadReport& load, const Cloud
     Json json = {{"file", file}};
     json.update(to_json(load));
     json["faces"] = num_faces;
+    json["frame"] = to_json(cloud.frame);
+    json["origin"] = to_json(cloud.box.low);
     json["box"] = {{"low", to_json(cloud.box.low)}, {"high", to_json(cloud.box.high)}};
     json["extent"] = to_json(cloud.box.extent());
     json["diagonal"] = cloud.box.diagonal();

@@ -99,6 +99,7 @@ Quantiles quantiles(std::vector<double> values) {
 CloudSummary summarize(const PointCloud& cloud, const Context& context) {
     CloudSummary summary;
     summary.num_points = cloud.size();
+    summary.frame = cloud.frame;
     for (const Vec3d& p : cloud.positions) summary.box.extend(p);
     summary.spacing = nearest_distances(cloud.positions, context);
     std::vector<AttributeRange>& out = summary.attributes;

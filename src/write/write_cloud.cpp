@@ -6,6 +6,7 @@
 #include "core/message.h"
 #include "core/parallel_sort.h"
 #include "pointbake/write.h"
+#include "write/frame.h"
 #include "write/placement.h"
 #include "write/ply_output.h"
 
@@ -68,6 +69,7 @@ struct Layout {
 
 std::string cloud_header(const PointCloud& cloud, const Layout& layout) {
     PlyHeader header;
+    if (const std::string text = frame_text(cloud.frame); !text.empty()) header.comment(text);
     for (const Channel& channel : cloud.channels)
         if (!channel.unit.empty())
             header.comment(fmt::format("unit {} {}", property_name(channel, 0), channel.unit));
@@ -151,11 +153,12 @@ std::vector<RowEntry> row_entries(const PointCloud& cloud,
 
 }  // namespace
 
-void write_cloud(const PointCloud& cloud, const std::filesystem::path& path,
-                 const Context& context) {
+WriteReport write_cloud(const PointCloud& cloud, const std::filesystem::path& path,
+                        const Context& context) {
     check_cloud(cloud);
     const Layout layout(cloud);
-    AtomicFile file(path);
+    FileSet files;
+    AtomicFile& file = files.add(path);
     file.write(cloud_header(cloud, layout));
     PlyRow row;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -163,7 +166,12 @@ void write_cloud(const PointCloud& cloud, const std::filesystem::path& path,
         add_point(row, cloud, layout, i);
         row.write_to(file);
     }
-    file.commit();
+    WriteReport report;
+    report.num_vertices = cloud.size();
+    report.frame = cloud.frame;
+    add_prj(files, path, cloud.frame, report, context);
+    files.commit(report);
+    return report;
 }
 
 void write_points(const PointCloud& cloud, std::span<const std::uint8_t> off_surface,

@@ -9,6 +9,7 @@
 #include "core/color.h"
 #include "core/message.h"
 #include "write/file_set.h"
+#include "write/frame.h"
 #include "write/gltf_buffer.h"
 #include "write/placement.h"
 #include "write/png.h"
@@ -52,6 +53,7 @@ Json rotation_to_y(UpAxis up) {
     const double half = std::sqrt(0.5);
     if (up == UpAxis::kX) return {0.0, 0.0, half, half};
     if (up == UpAxis::kZ) return {-half, 0.0, 0.0, half};
+    if (up == UpAxis::kMinusY) return {1.0, 0.0, 0.0, 0.0};
     return {};
 }
 
@@ -86,8 +88,8 @@ class GltfWriter {
     using Color4 = std::array<std::uint16_t, 4>;
     using Tangent4 = std::array<float, 4>;
 
-    Json asset() const;
     Json nodes() const;
+    Json extras() const;
     Json material(Index index) const;
     Json texture_info(int image) const;
     Json sampler_of(std::size_t texture) const;
@@ -106,7 +108,7 @@ class GltfWriter {
 
     const TexturedMesh& model_;
     const std::filesystem::path& path_;
-    const WriteOptions& options_;
+    Frame frame_;
     const Context& context_;
     bool is_glb_;
 
@@ -127,7 +129,7 @@ GltfWriter::GltfWriter(const TexturedMesh& model, const std::filesystem::path& p
                        const WriteOptions& options, const Context& context)
     : model_(model),
       path_(path),
-      options_(options),
+      frame_(settled_frame(model.frame, options)),
       context_(context),
       is_glb_(path.extension().string().size() == 4),  // else .gltf
       materials_(model.materials),
@@ -163,35 +165,47 @@ void GltfWriter::use_image(int image) {
         used_images_.push_back(image);
 }
 
-Json GltfWriter::asset() const {
-    Json asset = {{"version", "2.0"}, {"generator", "pointbake " POINTBAKE_VERSION}};
+/// What leads back to the input's coordinates: global_shift + POSITION.
+Json GltfWriter::extras() const {
     Json extras = Json::object();
     if (placement_.has_translation()) {
         const Vec3d t = placement_.translation;
-        extras["origin"] = {t.x, t.y, t.z};
+        extras["global_shift"] = {t.x, t.y, t.z};
     }
-    if (options_.up != UpAxis::kAuto) extras["up"] = to_word(options_.up);
-    if (options_.scale != 1.0) extras["metres_per_unit"] = options_.scale;
-    if (!extras.empty()) asset["extras"] = std::move(extras);
-    return asset;
+    if (frame_.up != UpAxis::kAuto) extras["up"] = to_word(frame_.up);
+    if (frame_.metres_per_unit != 0.0) extras["metres_per_unit"] = frame_.metres_per_unit;
+    const Crs& crs = frame_.crs;
+    if (crs.name.empty()) return extras;
+    extras["crs"] = {{"name", crs.name}};
+    if (crs.epsg != 0) extras["crs"]["epsg"] = crs.epsg;
+    if (!crs.vertical.empty()) extras["crs"]["vertical"] = crs.vertical;
+    if (!crs.wkt.empty()) extras["crs"]["wkt"] = crs.wkt;
+    return extras;
 }
 
 /// One node, or two: the inner one moves, in the input's units, and the outer one turns and scales.
 Json GltfWriter::nodes() const {
     Json outer = Json::object();
-    if (const Json rotation = rotation_to_y(options_.up); !rotation.is_null())
+    if (const Json rotation = rotation_to_y(frame_.up); !rotation.is_null())
         outer["rotation"] = rotation;
-    if (options_.scale != 1.0) outer["scale"] = {options_.scale, options_.scale, options_.scale};
+    const double scale = frame_.metres_per_unit;
+    if (scale != 0.0 && scale != 1.0) outer["scale"] = {scale, scale, scale};
     Json inner = {{"mesh", 0}};
-    if (!placement_.has_translation()) {
-        outer.update(inner);
-        return Json::array({outer});
+    if (placement_.has_translation()) {
+        const Vec3d t = placement_.translation;
+        inner["translation"] = {t.x, t.y, t.z};
     }
-    const Vec3d t = placement_.translation;
-    inner["translation"] = {t.x, t.y, t.z};
-    if (outer.empty()) return Json::array({inner});
-    outer["children"] = Json::array({1});
-    return Json::array({outer, inner});
+    Json nodes = Json::array();
+    if (outer.empty() || !placement_.has_translation()) {
+        outer.update(inner);
+        nodes = {outer};
+    } else {
+        outer["children"] = Json::array({1});
+        nodes = {outer, inner};
+    }
+    if (Json extras = this->extras(); !extras.empty())
+        nodes[0]["extras"]["pointbake"] = std::move(extras);
+    return nodes;
 }
 
 Json GltfWriter::texture_info(int image) const {
@@ -320,7 +334,8 @@ Json GltfWriter::document(const std::vector<Json>& images, std::string_view buff
     for (std::size_t i = 0; i < images.size(); ++i)
         textures.push_back({{"sampler", of_texture[i]}, {"source", i}});
 
-    Json json = {{"asset", asset()}};
+    Json json = {
+        {"asset", {{"version", "2.0"}, {"generator", "pointbake " POINTBAKE_VERSION}}}};
     if (has_unlit) json["extensionsUsed"] = Json::array({"KHR_materials_unlit"});
     json["scene"] = 0;
     json["scenes"] = Json::array({Json{{"nodes", Json::array({0})}}});
@@ -390,7 +405,8 @@ WriteReport GltfWriter::run() {
     FileSet files;
     AtomicFile& main = files.add(path_);  // first: what cannot be written is known at once
     WriteReport report;
-    report.has_translation = placement_.has_translation();
+    report.frame = frame_;
+    report.global_shift = placement_.translation;
     report.num_draw_calls = parts_.size();
     for (const MeshPart& part : parts_) {
         report.num_vertices += part.corners.size();
@@ -400,6 +416,7 @@ WriteReport GltfWriter::run() {
         write_glb(main);
     else
         write_separate(files, main);
+    add_prj(files, path_, frame_, report, context_);
     check_cancelled(context_);
     files.commit(report);
     return report;

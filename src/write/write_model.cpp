@@ -24,8 +24,8 @@ std::string lower_extension(const std::filesystem::path& path) {
 
 WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
                         const WriteOptions& options, const Context& context) {
-    if (!std::isfinite(options.scale) || !(options.scale > 0.0))
-        fail(ErrorCode::kInvalidOption, "--scale {} is not a positive number", options.scale);
+    if (options.scale && !(std::isfinite(*options.scale) && *options.scale > 0.0))
+        fail(ErrorCode::kInvalidOption, "--scale {} is not a positive number", *options.scale);
     const std::string extension = lower_extension(path);
     const bool is_gltf = extension == ".glb" || extension == ".gltf";
     if (!is_gltf && extension != ".obj" && extension != ".ply")
@@ -34,13 +34,14 @@ WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& 
              path.string());
     check_model(model);
     report_progress(context, "write", 0.0);
-    if (!is_gltf && (options.scale != 1.0 || options.up == UpAxis::kX || options.up == UpAxis::kZ))
+    const bool turns = options.up != UpAxis::kAuto && options.up != UpAxis::kY;
+    if (!is_gltf && (options.scale.value_or(1.0) != 1.0 || turns))
         log(context, LogLevel::kWarning,
             "--up and --scale are node transforms: {} has none and keeps the input's coordinates",
             extension);
     const WriteReport report = is_gltf               ? write_gltf(model, path, options, context)
                                : extension == ".obj" ? write_obj(model, path, options, context)
-                                                     : write_ply(model, path, context);
+                                                     : write_ply(model, path, options, context);
     report_progress(context, "write", 1.0);
     return report;
 }

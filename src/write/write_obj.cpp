@@ -12,6 +12,7 @@
 #include "core/message.h"
 #include "core/parallel.h"
 #include "write/file_set.h"
+#include "write/frame.h"
 #include "write/png.h"
 #include "write/split.h"
 
@@ -64,6 +65,7 @@ class ObjWriter {
         : mesh_(model.mesh),
           model_(model),
           path_(path),
+          frame_(settled_frame(model.frame, options)),
           is_lit_(options.shading == Shading::kLit),
           context_(context),
           materials_(model.materials) {
@@ -86,6 +88,7 @@ class ObjWriter {
     const Mesh& mesh_;
     const TexturedMesh& model_;
     const std::filesystem::path& path_;
+    Frame frame_;
     bool is_lit_, has_uvs_ = false, has_normals_ = false;
     const Context& context_;
     std::vector<Material> materials_;
@@ -182,14 +185,17 @@ WriteReport ObjWriter::run() {
     FileSet files;
     const std::filesystem::path mtl = sibling(path_, ".mtl");
     Lines out(files.add(path_), context_);
-    out.add("# pointbake {}\nmtllib {}\n", POINTBAKE_VERSION, mtl.filename().string());
+    out.add("# pointbake {}\n", POINTBAKE_VERSION);
+    if (const std::string text = frame_text(frame_); !text.empty()) out.add("# {}\n", text);
+    out.add("mtllib {}\n", mtl.filename().string());
     write_vertices(out);
     write_faces(out);
     out.flush();
     write_materials(files, mtl);
-    check_cancelled(context_);
-
     WriteReport report;
+    report.frame = frame_;
+    add_prj(files, path_, frame_, report, context_);
+    check_cancelled(context_);
     report.num_draw_calls = parts_.size();
     for (const MeshPart& part : parts_) report.num_vertices += part.corners.size();
     files.commit(report);

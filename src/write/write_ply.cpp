@@ -8,6 +8,7 @@
 #include "core/message.h"
 #include "core/parallel.h"
 #include "write/file_set.h"
+#include "write/frame.h"
 #include "write/placement.h"
 #include "write/ply_output.h"
 #include "write/png.h"
@@ -45,10 +46,11 @@ Pages used_pages(const TexturedMesh& model) {
 class PlyMeshWriter {
  public:
     PlyMeshWriter(const TexturedMesh& model, const std::filesystem::path& path,
-                  const Context& context)
+                  const WriteOptions& options, const Context& context)
         : model_(model),
           mesh_(model.mesh),
           path_(path),
+          frame_(settled_frame(model.frame, options)),
           context_(context),
           pages_(used_pages(model)),
           paths_(image_paths(path, pages_.images.size())),
@@ -66,6 +68,7 @@ class PlyMeshWriter {
     const TexturedMesh& model_;
     const Mesh& mesh_;
     const std::filesystem::path& path_;
+    Frame frame_;
     const Context& context_;
     Pages pages_;
     std::vector<std::filesystem::path> paths_;
@@ -74,6 +77,7 @@ class PlyMeshWriter {
 
 std::string PlyMeshWriter::header() const {
     PlyHeader header;
+    if (const std::string text = frame_text(frame_); !text.empty()) header.comment(text);
     for (const std::filesystem::path& p : paths_)
         header.comment("TextureFile " + p.filename().string());
     header.element("vertex", mesh_.positions.size());
@@ -130,8 +134,10 @@ WriteReport PlyMeshWriter::run() {
         report_progress(context_, "write",
                         static_cast<double>(i + 1) / static_cast<double>(paths_.size() + 1));
     }
-    check_cancelled(context_);
     WriteReport report;
+    report.frame = frame_;
+    add_prj(files, path_, frame_, report, context_);
+    check_cancelled(context_);
     report.num_vertices = mesh_.positions.size();
     report.num_draw_calls = std::max<std::size_t>(1, paths_.size());
     files.commit(report);
@@ -141,8 +147,8 @@ WriteReport PlyMeshWriter::run() {
 }  // namespace
 
 WriteReport write_ply(const TexturedMesh& model, const std::filesystem::path& path,
-                      const Context& context) {
-    return PlyMeshWriter(model, path, context).run();
+                      const WriteOptions& options, const Context& context) {
+    return PlyMeshWriter(model, path, options, context).run();
 }
 
 }  // namespace pointbake

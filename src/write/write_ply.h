@@ -10,6 +10,6 @@ namespace pointbake {
 /// The model as binary little-endian PLY; texture coordinates per face, as MeshLab reads them, with
 /// .png beside it, or vertex colours.
 WriteReport write_ply(const TexturedMesh& model, const std::filesystem::path& path,
-                      const Context& context);
+                      const WriteOptions& options, const Context& context);
 
 }  // namespace pointbake

@@ -133,20 +133,22 @@ TEST(OptionTable, RefusesJsonThatHoldsNoOptions) {
 }
 
 TEST(OptionTable, ScaleTurnsMetresAloneIntoUnits) {
-    Fixture millimetres;
-    millimetres.table.set("geometry-error", "2mm");
-    millimetres.table.apply_scale(0.001);
-    EXPECT_DOUBLE_EQ(millimetres.simplify.geometry_error->in_units(1.0), 2.0);
-
-    Fixture units_given;
-    units_given.table.set("geometry-error", "2");
-    units_given.table.apply_scale(0.001);
-    EXPECT_DOUBLE_EQ(units_given.simplify.geometry_error->in_units(1.0), 2.0);
-
-    Fixture share;
-    share.table.set("geometry-error", "0.2%");
-    share.table.apply_scale(0.001);
-    EXPECT_DOUBLE_EQ(share.simplify.geometry_error->in_units(10.0), 0.02);
+    ConvertOptions options;
+    const auto in_millimetres = [&](std::string_view text) {
+        OptionTable table;
+        table.add(OptionGroup::kGeometry, true, options.simplify);
+        table.set("geometry-error", text);
+        const ConvertOptions settled = in_cloud_units(options, {.metres_per_unit = 0.001});
+        return settled.simplify.geometry_error->in_units(10.0);
+    };
+    EXPECT_DOUBLE_EQ(in_millimetres("2mm"), 2.0);
+    EXPECT_DOUBLE_EQ(in_millimetres("2"), 2.0);
+    EXPECT_DOUBLE_EQ(in_millimetres("0.2%"), 0.02);
+    options.clean.subsample = metres(0.5);
+    options.reconstruct.fill_holes = metres(0.25);
+    const ConvertOptions settled = in_cloud_units(options, {.metres_per_unit = 0.3048});
+    EXPECT_DOUBLE_EQ(settled.clean.subsample->in_units(1.0), 0.5 / 0.3048);
+    EXPECT_DOUBLE_EQ(settled.reconstruct.fill_holes->in_units(1.0), 0.25 / 0.3048);
 }
 
 TEST(NearestName, FindsTypingSlipsAndParts) {

@@ -63,7 +63,7 @@ TEST(Gltf, GlbHoldsTheModelAndItsPages) {
               file.primitives[0].positions.size() + file.primitives[1].positions.size());
     EXPECT_EQ(report.num_bytes, std::filesystem::file_size(folder / "a.glb"));
     EXPECT_THAT(report.files, ElementsAre(folder / "a.glb"));
-    EXPECT_FALSE(report.has_translation);
+    EXPECT_EQ(report.global_shift, Vec3d{});
     EXPECT_THAT(folder.names(), ElementsAre("a.glb"));
     EXPECT_THAT(file.document["asset"]["generator"].get<std::string>(), HasSubstr("pointbake "));
     EXPECT_EQ(file.document["extensionsUsed"], Json::array({"KHR_materials_unlit"}));
@@ -231,13 +231,14 @@ TEST(Gltf, LargeCoordinatesAreCarriedByATranslation) {
     for (const Vec3d origin : {Vec3d{500000.123, 5000000.456, 310.7}, {4e6, 3e5, 4.9e6}}) {
         const TexturedMesh model = patch_grid(10, 1, origin, 0.05);
         const WriteReport report = write_model(model, folder / "a.glb");
-        EXPECT_TRUE(report.has_translation);
         const GlbContents file = check_glb(folder / "a.glb");
         EXPECT_THAT(file.problems, IsEmpty());
         expect_same_surface(file, model, 1e-6 * 0.7);
         for (const Vec3f& p : file.primitives[0].stored_positions) EXPECT_LT(length(p), 2.0F);
-        EXPECT_EQ(file.document["asset"]["extras"]["origin"],
-                  file.document["nodes"][0]["translation"]);
+        const Json& node = file.document["nodes"][0];
+        const Vec3d t = report.global_shift;
+        EXPECT_EQ(node["translation"], Json::array({t.x, t.y, t.z}));
+        EXPECT_EQ(node["extras"]["pointbake"]["global_shift"], node["translation"]);
     }
 }
 

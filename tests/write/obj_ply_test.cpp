@@ -77,7 +77,7 @@ TEST(Obj, HoldsTheModelInFullDouble) {
     const TexturedMesh model = patch_grid(6, 2, {500000.123, 5000000.456, 1.0 / 3.0}, 0.1);
     const WriteReport report = write_model(model, folder / "a b.obj");
     EXPECT_THAT(folder.names(), ElementsAre("a b.mtl", "a b.obj", "a b_0.png", "a b_1.png"));
-    EXPECT_FALSE(report.has_translation);
+    EXPECT_EQ(report.global_shift, Vec3d{});
     const ObjContents obj = read_obj(folder / "a b.obj");
     ASSERT_EQ(obj.v.size(), model.mesh.positions.size());
     for (std::size_t i = 0; i < obj.v.size(); ++i)
