@@ -9,9 +9,8 @@ namespace pointbake::cli {
 MemoryWatch::MemoryWatch(std::optional<std::uint64_t> most_bytes, const std::stop_token& stop)
     : passed_on_(stop, [this] { source_.request_stop(); }) {
     if (most_bytes)
-        watcher_ = std::jthread([this, most = *most_bytes](const std::stop_token& ending) {
-            watch(most, ending);
-        });
+        watcher_ = std::jthread(
+            [this, most = *most_bytes](const std::stop_token& ending) { watch(most, ending); });
 }
 
 void MemoryWatch::watch(std::uint64_t most_bytes, const std::stop_token& ending) {

@@ -27,7 +27,7 @@ TEST_P(Corpus, IsReadOrRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, testing::ValuesIn(targets().begin(), targets().end()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& corpus) { return std::string(corpus.param.name); });
 
 }  // namespace
 }  // namespace pointbake::fuzz

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing on Debian 12 to build (setup.sh build), to build and test (setup.sh test), or to build and look
+# Installs what is missing on Debian 12 to build (setup.sh build), to build and test (setup.sh test), to fuzz (setup.sh fuzz), or to build and look
 # at the results in a browser (setup.sh browser).
 set -eu
 cd "$(dirname "$0")/.."
@@ -8,6 +8,7 @@ mkdir -p build
 packages="g++ cmake ninja-build ccache pkg-config libcgal-dev libtbb-dev libeigen3-dev libnanoflann-dev
           libdeflate-dev libspng-dev libpugixml-dev libproj-dev zlib1g-dev libzstd-dev libturbojpeg0-dev libjpeg62-turbo-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
 [ "${1:-build}" = test ] && packages="$packages libgtest-dev libgmock-dev python3"
+[ "${1:-build}" = fuzz ] && packages="$packages libgtest-dev libgmock-dev python3 clang-19 libclang-rt-19-dev"
 if [ "${1:-build}" = browser ]; then  # other sources of these will do
     command -v chromium >/dev/null 2>&1 || packages="$packages chromium"
     command -v node >/dev/null 2>&1 || packages="$packages nodejs"

@@ -58,9 +58,9 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
                       const Context& context = {});
 
 /// How many points a file promises, as its header or its size tells, but no more than fit into it;
-/// nothing where only reading all of it would tell (packed files, standard input, OBJ, glTF) and for
-/// files that are not read. A forecast: load_cloud says what is wrong with a file. O(1) for most
-/// kinds, O(bytes of the XML) for E57. Throws Error{kIo}.
+/// nothing where only reading all of it would tell (packed files, standard input, OBJ, glTF) and
+/// for files that are not read. A forecast: load_cloud says what is wrong with a file. O(1) for
+/// most kinds, O(bytes of the XML) for E57. Throws Error{kIo}.
 std::optional<std::uint64_t> promised_points(const std::filesystem::path& path);
 
 /// The points of all files, as if they stood in one after the other: rows count on from file to

@@ -149,8 +149,7 @@ void AtomicFile::Impl::put_in_place() {
         return ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, renamed.c_str(), flags) == 0;
     };
     holds_old = rename_with(RENAME_EXCHANGE);
-    if (!holds_old && ::rename(temporary.c_str(), renamed.c_str()) != 0)
-        fail_output(target, errno);
+    if (!holds_old && ::rename(temporary.c_str(), renamed.c_str()) != 0) fail_output(target, errno);
     is_committed = true;
     if (!holds_old) temporary.clear();
 }

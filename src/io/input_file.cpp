@@ -133,12 +133,9 @@ ByteBuffer unpack_zstd(std::span<const std::byte> bytes, const std::string& name
     const std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)> stream(ZSTD_createDStream(),
                                                                                ZSTD_freeDStream);
     if (!stream) throw std::bad_alloc();
-    // Room for the window is made at once. The usual limit for what is small; packed with --long, up
-    // to the largest window of the format.
-    constexpr int kUsualWindowLog = 27, kMostWindowLog = 31;
-    const bool is_small = bytes.size() < (std::size_t{1} << kUsualWindowLog) / kMostRatio;
-    ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax,
-                           is_small ? kUsualWindowLog : kMostWindowLog);
+    // Packed with --long, up to the largest window of the format.
+    constexpr int kMostWindowLog = 31;
+    ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax, kMostWindowLog);
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     for (;;) {
         check_cancelled(context);

@@ -1,5 +1,5 @@
-// Only looks at headers; of a table of text at its first lines, whose length the others are taken to
-// have.
+// Only looks at headers; of a table of text at its first lines, whose length the others are taken
+// to have.
 #include <algorithm>
 #include <charconv>
 
@@ -33,9 +33,8 @@ Count in_ply(Bytes bytes, const std::string& name) {
     if (!vertices) return std::nullopt;
     const PlyElement& element = header.elements[*vertices];
     // In text a value takes two bytes at least.
-    const std::size_t row_bytes = header.format == PlyFormat::kAscii
-                                      ? 2 * element.properties.size()
-                                      : element.min_row_bytes();
+    const std::size_t row_bytes = header.format == PlyFormat::kAscii ? 2 * element.properties.size()
+                                                                     : element.min_row_bytes();
     return std::min<std::uint64_t>(element.count,
                                    bytes.size() / std::max<std::size_t>(row_bytes, 1));
 }

@@ -29,8 +29,8 @@ bool strikes(const char* call) {
     const char* const fault = getenv("FAULT");
     if (fault == nullptr || sscanf(fault, "%31s %d %d", wanted, &number, &error) != 3) return false;
     if (strcmp(call, wanted) != 0 || ++count != number) return false;
-    const int log = next<int(const char*, int, ...)>("open")(getenv("FAULT_LOG"),
-                                                             O_WRONLY | O_CREAT, 0600);
+    const int log =
+        next<int(const char*, int, ...)>("open")(getenv("FAULT_LOG"), O_WRONLY | O_CREAT, 0600);
     next<int(int)>("close")(log);
     errno = error;
     return true;
@@ -105,7 +105,8 @@ void* mmap(void* at, size_t size, int protection, int flags, int file, off_t off
     const auto real = next<void*(void*, size_t, int, int, int, off_t)>("mmap");
     const bool is_input = file > STDERR_FILENO && protection == PROT_READ;
     if (is_input && strikes("map")) return MAP_FAILED;
-    // What a file that has become empty meanwhile looks like: its pages are there and cannot be read.
+    // What a file that has become empty meanwhile looks like: its pages are there and cannot be
+    // read.
     if (is_input && strikes("truncate")) file = memfd_create("empty", 0);
     return real(at, size, protection, flags, file, offset);
 }

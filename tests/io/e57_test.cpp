@@ -310,7 +310,7 @@ TEST(E57, FilesThatLieAreErrors) {
     flat.fields.clear();
     for (const char* name : {"cartesianX", "cartesianY", "cartesianZ"})
         flat.fields += field(name, "\"Integer\" minimum=\"1\" maximum=\"1\"");
-    expect_load_error("a.e57", make_e57({flat}), code, "for only 1048576");
+    expect_load_error("a.e57", make_e57({flat}), code, "for only 262144");
     TestScan other = two_points();
     other.fields = field("cartesianX", "\"Float\"");
     expect_load_error("a.e57", make_e57({other}), code, "scan 1 has no coordinates");
