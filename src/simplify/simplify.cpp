@@ -50,11 +50,11 @@ void validate(const DenseMesh& dense, const PointCloud& cloud, const SimplifyOpt
 }
 
 // Coordinates in which decisions are made.
-struct Frame {
+struct WorkingFrame {
     Vec3d origin;
     double unit = 1.0;  // a power of two, so scaling is exact
 
-    explicit Frame(const Mesh& mesh) {
+    explicit WorkingFrame(const Mesh& mesh) {
         Box box;
         for (const Triangle& t : mesh.triangles) {
             for (Index v : t) box.extend(mesh.positions[v]);
@@ -236,7 +236,7 @@ SimplifyResult simplify(const DenseMesh& dense, const PointCloud& cloud,
     SimplifyReport& report = result.report;
     report.num_triangles_before = static_cast<Index>(dense.mesh.triangles.size());
 
-    const Frame frame(dense.mesh);
+    const WorkingFrame frame(dense.mesh);
     Surface surface(frame.inwards(dense.mesh.positions), dense.mesh.triangles, context);
     Attribution attribution =
         attribute_points(surface, frame.inwards(cloud.positions), dense.vertex_points, context);
