@@ -16,7 +16,7 @@ bool has_transform(const RunReport& r) {
 }
 
 std::string overrules(bool is_asked, std::string_view option) {
-    return fmt::format(is_asked ? " (as {} says)" : " ({} overrules)", option);
+    return is_asked ? fmt::format(" (as {} says)", option) : fmt::format(" ({} overrules)", option);
 }
 
 std::string axes_line(const RunReport& r) {
