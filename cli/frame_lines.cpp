@@ -22,7 +22,7 @@ std::string overrules(bool is_asked, std::string_view option) {
 std::string axes_line(const RunReport& r) {
     const UpAxis up = r.write.frame.up;
     return fmt::format("axes: {} up: {}{}", to_word(up),
-                       !has_transform(r)    ? "coordinates stay as they are"
+                       !has_transform(r)  ? "coordinates stay as they are"
                        : up == UpAxis::kY ? "as glTF has it"
                                           : "turned to y up by the node",
                        overrules(up != r.frame.up, "--up"));
@@ -70,10 +70,10 @@ std::vector<std::pair<std::string, std::string>> frame_facts(const Frame& frame,
     std::vector<std::pair<std::string, std::string>> facts;
     facts.emplace_back("up", frame.up == UpAxis::kAuto ? "not told" : to_word(frame.up));
     if (!frame.unit.empty())
-        facts.emplace_back("unit", frame.metres_per_unit == 0.0
-                                       ? frame.unit
-                                       : fmt::format("{} of {:.10g} m", frame.unit,
-                                                     frame.metres_per_unit));
+        facts.emplace_back("unit",
+                           frame.metres_per_unit == 0.0 || frame.metres_per_unit == 1.0
+                               ? frame.unit
+                               : fmt::format("{} of {:.10g} m", frame.unit, frame.metres_per_unit));
     if (!frame.crs.name.empty()) facts.emplace_back("CRS", crs_text(frame.crs));
     if (!frame.height_unit.empty()) facts.emplace_back("heights", frame.height_unit);
     if (load.scanners.empty()) return facts;

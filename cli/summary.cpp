@@ -254,7 +254,7 @@ std::vector<std::string> info_lines(const LoadReport& load, const CloudSummary& 
     if (num_faces > 0) append("faces", grouped(num_faces));
     append("extent", fmt::format("{}, diagonal {:.7g}", vector_text(cloud.box.extent()),
                                  cloud.box.diagonal()));
-    append("origin", fmt::format("{} {} {} (lowest corner)", cloud.box.low.x,
+    append("origin", fmt::format("{:.12g} {:.12g} {:.12g} (lowest corner)", cloud.box.low.x,
                                  cloud.box.low.y, cloud.box.low.z));
     for (const auto& [label, text] : frame_facts(cloud.frame, load)) append(label, text);
     append("spacing", fmt::format("median {:.4g}, 5 % below {:.4g}, 5 % above {:.4g}",

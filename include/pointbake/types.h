@@ -71,7 +71,8 @@ struct Crs {
     int epsg = 0;                ///< its EPSG code; 0 = not known
     std::string vertical;        ///< name of the system of the heights; empty = not told
     bool is_geographic = false;  ///< x and y are angles
-    std::string wkt;  ///< its horizontal part as ESRI's WKT, which .prj files hold; empty = not known
+    std::string
+        wkt;  ///< its horizontal part as ESRI's WKT, which .prj files hold; empty = not known
     friend bool operator==(const Crs&, const Crs&) = default;
 };
 

@@ -28,10 +28,12 @@ struct WriteOptions {
         field("shading", &WriteOptions::shading,
               "unlit: colours as captured; lit: with normals, for a lit scene");
         field("up", &WriteOptions::up,
-              "which axis of the input points up (a node transform; coordinates stay); auto: as its kind "
+              "which axis of the input points up (a node transform; coordinates stay); auto: as "
+              "its kind "
               "of file has it");
         field("scale", &WriteOptions::scale,
-              "metres per unit of the input (a node transform; coordinates stay); default: as its CRS "
+              "metres per unit of the input (a node transform; coordinates stay); default: as its "
+              "CRS "
               "says, else 1");
     }
 };
@@ -40,7 +42,7 @@ struct WriteReport {
     std::uint64_t num_bytes = 0;       ///< all files together
     std::uint64_t num_vertices = 0;    ///< after splits along texture borders
     std::uint64_t num_draw_calls = 0;  ///< primitives
-    Frame frame;         ///< what the input tells, or options overrule
+    Frame frame;                       ///< what the input tells, or options overrule
     Vec3d global_shift;  ///< what a node translation carries, as floats would lose it; else zero
     std::filesystem::path prj;  ///< the CRS beside the output; empty = none
     std::vector<std::filesystem::path> files;
@@ -53,10 +55,11 @@ Frame settled_frame(Frame frame, const WriteOptions& options);
 /// per face, or vertex colours). glTF passes the Khronos validator with 0 errors and 0 warnings:
 /// normals only where lit, samplers that clamp (repeat where a page does) and use mip levels only
 /// where a page has them, exact accessor bounds. Coordinates that lose more than 1e-6 of the
-/// diagonal as floats are written relative to a node translation. The model's frame turns and scales a
-/// glTF's node, and is told in its extras and in comments of OBJ and PLY; a CRS that is known goes
-/// into a .prj beside the model, unless another one is there already (a warning). Throws Error{kOutput} and leaves
-/// nothing behind; Error{kUnsupported} names the extensions that are known.
+/// diagonal as floats are written relative to a node translation. The model's frame turns and
+/// scales a glTF's node, and is told in its extras and in comments of OBJ and PLY; a CRS that is
+/// known goes into a .prj beside the model, unless another one is there already (a warning). Throws
+/// Error{kOutput} and leaves nothing behind; Error{kUnsupported} names the extensions that are
+/// known.
 WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
                         const WriteOptions& options = {}, const Context& context = {});
 

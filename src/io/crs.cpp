@@ -41,13 +41,11 @@ class Catalogue {
     }
 
     Object from_wkt(const std::string& wkt) const {
-        return Object(
-            proj_create_from_wkt(context_.get(), wkt.c_str(), nullptr, nullptr, nullptr));
+        return Object(proj_create_from_wkt(context_.get(), wkt.c_str(), nullptr, nullptr, nullptr));
     }
     Object from_code(int code) const {
-        return Object(proj_create_from_database(context_.get(), "EPSG",
-                                                fmt::format("{}", code).c_str(), PJ_CATEGORY_CRS, 0,
-                                                nullptr));
+        return Object(proj_create_from_database(
+            context_.get(), "EPSG", fmt::format("{}", code).c_str(), PJ_CATEGORY_CRS, 0, nullptr));
     }
 
     /// False if the code is that of no length.
@@ -106,9 +104,8 @@ class Catalogue {
         const Object system(proj_crs_get_coordinate_system(context_.get(), crs));
         const char* unit = nullptr;
         double factor = 0.0;
-        if (!system ||
-            !proj_cs_get_axis_info(context_.get(), system.get(), 0, nullptr, nullptr, nullptr,
-                                   &factor, &unit, nullptr, nullptr))
+        if (!system || !proj_cs_get_axis_info(context_.get(), system.get(), 0, nullptr, nullptr,
+                                              nullptr, &factor, &unit, nullptr, nullptr))
             return;
         const PJ_COORDINATE_SYSTEM_TYPE type = proj_cs_get_type(context_.get(), system.get());
         frame.crs.is_geographic = type == PJ_CS_TYPE_ELLIPSOIDAL;

@@ -121,8 +121,8 @@ LoadResult read_any(const std::filesystem::path& path, const LoadOptions& option
     if (is_e57(bytes)) return read_e57(bytes, path, context);
     if (is_pcd(bytes)) return read_pcd(bytes, path, context);
     if (is_gltf(first_bytes(bytes)))
-        return with_up(
-            vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context), UpAxis::kY);
+        return with_up(vertices_as_points(read_gltf(bytes, path, context), "glTF", path, context),
+                       UpAxis::kY);
     if (is_obj(bytes))
         return vertices_as_points(read_obj(bytes, path, context), "OBJ", path, context);
     const std::string_view text = all_text(bytes);

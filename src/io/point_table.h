@@ -29,7 +29,7 @@ struct TableBlock {
 
 /// Points in the order of the file, and what was decided about them.
 struct PointRows {
-    PointCloud cloud;  ///< one entry per row; `rows` and `num_rows` are not filled
+    PointCloud cloud;             ///< one entry per row; `rows` and `num_rows` are not filled
     std::vector<Vec3d> scanners;  ///< where they stood, as far as that is believed
     std::vector<std::string> notes;
 };

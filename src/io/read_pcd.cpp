@@ -96,8 +96,7 @@ class PcdReader {
         // A viewpoint at the origin is what writers put down who know of none; but what has rows
         // and columns was seen by a camera.
         if (header_.viewpoint || header_.height > 1)
-            face_sensor(rows, 0, rows.cloud.positions.size(),
-                        header_.viewpoint.value_or(Vec3d{}));
+            face_sensor(rows, 0, rows.cloud.positions.size(), header_.viewpoint.value_or(Vec3d{}));
         if (header_.height > 1)
             rows.notes.push_back(fmt::format("organised, {} x {}: the sensor is at the VIEWPOINT",
                                              header_.width, header_.height));

@@ -334,8 +334,7 @@ Json GltfWriter::document(const std::vector<Json>& images, std::string_view buff
     for (std::size_t i = 0; i < images.size(); ++i)
         textures.push_back({{"sampler", of_texture[i]}, {"source", i}});
 
-    Json json = {
-        {"asset", {{"version", "2.0"}, {"generator", "pointbake " POINTBAKE_VERSION}}}};
+    Json json = {{"asset", {{"version", "2.0"}, {"generator", "pointbake " POINTBAKE_VERSION}}}};
     if (has_unlit) json["extensionsUsed"] = Json::array({"KHR_materials_unlit"});
     json["scene"] = 0;
     json["scenes"] = Json::array({Json{{"nodes", Json::array({0})}}});

@@ -77,7 +77,7 @@ std::string field(const std::string& name, const std::string& attributes) {
 const std::string kXyz = field("cartesianX", "\"Float\"") + field("cartesianY", "\"Float\"") +
                          field("cartesianZ", "\"Float\"");
 
-std::string make_e57(const std::vector<TestScan>& scans) {
+std::string make_e57(const std::vector<TestScan>& scans, const std::string& more = "") {
     std::string content(48, '\0'), xml =
                                        "<?xml version=\"1.0\"?>\n<e57Root type=\"Structure\">\n"
                                        "<data3D type=\"Vector\">\n";
@@ -94,7 +94,7 @@ std::string make_e57(const std::vector<TestScan>& scans) {
                std::to_string(scan.num_points) + "\"><prototype type=\"Structure\">" + scan.fields +
                "</prototype></points></vectorChild>\n";
     }
-    xml += "</data3D></e57Root>\n";
+    xml += "</data3D>" + more + "</e57Root>\n";
     put<std::uint32_t>(content, 8, 1);
     put(content, 24, byte_of_file(content.size()));
     put<std::uint64_t>(content, 32, xml.size());
@@ -205,6 +205,7 @@ TEST(E57, MovesScansByTheirPoses) {
     // The scanner is seen by the points of its own scan alone.
     EXPECT_NEAR(cloud.sensors[i].x, 2 / std::sqrt(14.0), 1e-6);
     EXPECT_EQ(cloud.sensors[point_of_row(cloud, 3)], Vec3f{});
+    EXPECT_EQ(result.report.scanners, (std::vector<Vec3d>{{500000, 0, 10}}));
     EXPECT_TRUE(has_note(result, "3 scans, 2 of them with points"));
 }
 
@@ -282,6 +283,20 @@ TEST(E57, ScansWithRowsAndColumnsAreSeenFromTheOrigin) {
     const LoadResult result = load_as("a.e57", make_e57({scan}));
     EXPECT_NEAR(result.cloud.sensors[point_of_row(result.cloud, 0)].x, -1 / std::sqrt(14.0), 1e-6);
     EXPECT_TRUE(result.cloud.channels.empty());
+}
+
+TEST(E57, TellsItsCoordinateSystem) {
+    const auto frame = [&](const std::string& text) {
+        const LoadResult result =
+            load_as("a.e57", make_e57({two_points()}, "<coordinateMetadata type=\"String\">" +
+                                                          text + "</coordinateMetadata>"));
+        EXPECT_EQ(has_note(result, "not understood"), text == "nowhere");
+        return result.cloud.frame;
+    };
+    EXPECT_EQ(frame("EPSG:25832").crs.name, "ETRS89 / UTM zone 32N");
+    EXPECT_EQ(frame("LOCAL_CS[\"Site\",UNIT[\"foot\",0.3048]]").metres_per_unit, 0.3048);
+    EXPECT_EQ(frame("nowhere").crs.name, "");
+    EXPECT_EQ(frame("").up, UpAxis::kZ);
 }
 
 TEST(E57, FilesThatLieAreErrors) {

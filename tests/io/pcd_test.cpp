@@ -184,8 +184,9 @@ TEST(Pcd, ReadsNormalsPaddingAndVectors) {
 
 TEST(Pcd, TheViewpointIsTheSensor) {
     for (const char* data : kData) {
-        const PointCloud cloud =
-            load_bytes(make_pcd(three(), data, "VIEWPOINT 0 0 5 1 0 0 0\n")).cloud;
+        const LoadResult result = load_bytes(make_pcd(three(), data, "VIEWPOINT 0 0 5 1 0 0 0\n"));
+        EXPECT_EQ(result.report.scanners, (std::vector<Vec3d>{{0, 0, 5}}));
+        const PointCloud& cloud = result.cloud;
         ASSERT_EQ(cloud.sensors.size(), 3U);
         EXPECT_EQ(cloud.sensors[point_of_row(cloud, 0)], (Vec3f{0, 0, 1}));
         EXPECT_TRUE(

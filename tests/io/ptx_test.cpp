@@ -26,6 +26,7 @@ TEST(Ptx, ReadsAScanWithItsPlace) {
     EXPECT_EQ(cloud.positions[third], (Vec3d{499998, 5000000 + 0.001, 10}));
     EXPECT_EQ(cloud.colors[third], rgb16_from_8bit(0, 255, 0));
     EXPECT_EQ(find_channel(cloud, "intensity")->data[first], 0.25F);
+    EXPECT_EQ(result.report.scanners, (std::vector<Vec3d>{{500000, 5000000, 10}}));
     EXPECT_EQ(cloud.sensors[first], (Vec3f{0, -1, 0}));
     EXPECT_EQ(cloud.sensors[point_of_row(cloud, 3)], (Vec3f{0, 0, -1}));
 }

@@ -232,6 +232,8 @@ TEST(Splats, EveryFormatGivesTheSameSurfels) {
     for (const auto& [name, bytes] : files) {
         SCOPED_TRACE(name + ", " + std::to_string(bytes.size()) + " bytes");
         expect_surfels(load_as(name, bytes));
+        EXPECT_EQ(load_as(name, bytes).cloud.frame.up,
+                  name == "a.spz" ? UpAxis::kY : UpAxis::kMinusY);
         const LoadResult one = load_as(name, bytes, {}, {.threads = 1});
         const LoadResult four = load_as(name, bytes, {}, {.threads = 4});
         EXPECT_EQ(one.cloud.normals, four.cloud.normals);
@@ -252,6 +254,7 @@ TEST(Splats, ColorsWithoutShapesArePoints) {
                        column("float", "f_dc_2", {0, 0, 0})})}));
     EXPECT_EQ(result.cloud.size(), 3U);
     EXPECT_TRUE(result.cloud.axes.empty());
+    EXPECT_EQ(result.cloud.frame.up, UpAxis::kAuto);
 }
 
 TEST(Splats, BrokenOnesAreDropped) {

@@ -259,10 +259,72 @@ TEST(Gltf, UpAndScaleAreNodeTransforms) {
                         [](Vec3d p) { return Vec3d{p.x, p.z, -p.y}; });
     expect_same_surface(write(small, UpAxis::kX, 1.0), small, 1e-6,
                         [](Vec3d p) { return Vec3d{-p.y, p.x, p.z}; });
+    expect_same_surface(write(small, UpAxis::kMinusY, 1.0), small, 1e-6,
+                        [](Vec3d p) { return Vec3d{p.x, -p.y, -p.z}; });
     // With a translation, too: it is in the input's units, below the turn.
     const TexturedMesh far = patch_grid(3, 1, {5e5, 5e6, 100.0});
     expect_same_surface(write(far, UpAxis::kZ, 0.001), far, 1e-8,
                         [](Vec3d p) { return Vec3d{p.x, p.z, -p.y} * 0.001; });
+}
+
+const Frame kOregon{.up = UpAxis::kZ,
+                    .metres_per_unit = 0.3048,
+                    .unit = "foot",
+                    .height_unit = {},
+                    .crs = {.name = "Oregon",
+                            .epsg = 2994,
+                            .vertical = "NAVD88",
+                            .is_geographic = false,
+                            .wkt = "PROJCS[\"Oregon\"]"}};
+
+TEST(Gltf, TheInputsFrameTurnsAndScales) {
+    const Folder folder;
+    TexturedMesh model = patch_grid(3, 1, {500000.123, 5000000.456, 310.7}, 0.05);
+    model.frame = kOregon;
+    const WriteReport report = write_model(model, folder / "a.glb");
+    const GlbContents file = check_glb(folder / "a.glb");
+    EXPECT_THAT(file.problems, IsEmpty());
+    expect_same_surface(file, model, 1e-6, [](Vec3d p) { return Vec3d{p.x, p.z, -p.y} * 0.3048; });
+    EXPECT_EQ(report.frame, kOregon);
+    const Vec3d t = report.global_shift;
+    EXPECT_EQ(file.document["nodes"][0]["extras"]["pointbake"],
+              (Json{{"global_shift", {t.x, t.y, t.z}},
+                    {"up", "z"},
+                    {"metres_per_unit", 0.3048},
+                    {"crs",
+                     {{"name", "Oregon"},
+                      {"epsg", 2994},
+                      {"vertical", "NAVD88"},
+                      {"wkt", "PROJCS[\"Oregon\"]"}}}}));
+    // Options overrule it.
+    write_model(model, folder / "a.glb", {.up = UpAxis::kY, .scale = 2.0});
+    expect_same_surface(check_glb(folder / "a.glb"), model, 1e-6, [](Vec3d p) { return p * 2.0; });
+}
+
+TEST(Gltf, TheCoordinateSystemLiesBesideTheModel) {
+    const Folder folder;
+    std::vector<std::string> warnings;
+    const Context context{.log = [&](LogLevel level, std::string_view line) {
+        if (level == LogLevel::kWarning) warnings.emplace_back(line);
+    }};
+    TexturedMesh model = patch_grid(3, 1);
+    write_model(model, folder / "a.glb", {}, context);
+    EXPECT_EQ(folder.names(), (std::set<std::string>{"a.glb"}));
+    model.frame = kOregon;
+    for (const char* name : {"a.glb", "b.gltf", "c.obj", "d.ply"}) {
+        const std::filesystem::path prj =
+            std::filesystem::path(folder / name).replace_extension(".prj");
+        for (int again = 0; again < 2; ++again) {
+            EXPECT_EQ(write_model(model, folder / name, {}, context).prj, prj);
+            EXPECT_EQ(fixtures::read_text(prj), "PROJCS[\"Oregon\"]\n");
+        }
+    }
+    EXPECT_THAT(warnings, IsEmpty());
+    // What another program has said there stays.
+    std::ofstream(folder / "a.prj") << "PROJCS[\"Elsewhere\"]";
+    EXPECT_EQ(write_model(model, folder / "a.glb", {}, context).prj, "");
+    EXPECT_EQ(fixtures::read_text(folder / "a.prj"), "PROJCS[\"Elsewhere\"]");
+    EXPECT_THAT(warnings, testing::ElementsAre(testing::HasSubstr("left as it is")));
 }
 
 TEST(Gltf, SameBytesForAnyNumberOfThreadsAndAnyName) {
@@ -381,6 +443,9 @@ TEST(Gltf, PassesTheKhronosValidatorWithoutErrorOrWarning) {
     TexturedMesh colored = tetrahedron();
     colored.mesh.colors.assign(4, Rgb16{65535, 30000, 0});
     write("colored.glb", colored, {.up = UpAxis::kX});
+    TexturedMesh oregon = patch_grid(12, 1, {5e5, 5e6, 100.0});
+    oregon.frame = kOregon;
+    write("oregon.glb", oregon, {});
     TexturedMesh mapped = patch_grid(12, 1);
     mapped.images.push_back(fixtures::random_image(16, 16, 3, 4));
     mapped.materials[0].normal_image = 1;

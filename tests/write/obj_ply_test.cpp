@@ -213,6 +213,24 @@ TEST(Ply, PlainMeshesHaveColoursAndFloatsWhereTheySuffice) {
     EXPECT_THAT(PlyContents(folder / "a.ply").header, HasSubstr("property ushort green"));
 }
 
+TEST(Ply, OtherFormatsTellTheFrameInAComment) {
+    const Folder folder;
+    TexturedMesh model = tetrahedron();
+    model.frame = {.up = UpAxis::kZ,
+                   .metres_per_unit = 0.3048,
+                   .unit = "foot",
+                   .height_unit = {},
+                   .crs = {.name = "Site\nelement", .epsg = 2994}};
+    write_model(model, folder / "a.ply");
+    EXPECT_THAT(PlyContents(folder / "a.ply").header,
+                HasSubstr("\ncomment unit 0.3048 m, z up, Site element, EPSG:2994\n"));
+    write_model(model, folder / "a.obj");
+    EXPECT_THAT(fixtures::read_text(folder / "a.obj"),
+                HasSubstr("\n# unit 0.3048 m, z up, Site element, EPSG:2994\n"));
+    write_model(model, folder / "a.obj", {.up = UpAxis::kX, .scale = 2.0});
+    EXPECT_THAT(fixtures::read_text(folder / "a.obj"), HasSubstr("\n# unit 2 m, x up, Site"));
+}
+
 TEST(Ply, OtherFormatsSayThatTheyHaveNoNodeTransform) {
     const Folder folder;
     std::vector<std::string> lines;
