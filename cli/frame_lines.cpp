@@ -12,7 +12,11 @@ namespace {
 /// Other files hold coordinates alone.
 bool has_transform(const RunReport& r) {
     const std::string extension = lower_extension(r.output);
-    return extension == ".glb" || extension == ".gltf";
+    return extension == ".glb" || extension == ".gltf" || extension == ".usdz";
+}
+
+bool has_translation(const RunReport& r) {
+    return has_transform(r) && lower_extension(r.output) != ".usdz";
 }
 
 std::string overrules(bool is_asked, std::string_view option) {
@@ -22,7 +26,7 @@ std::string overrules(bool is_asked, std::string_view option) {
 std::string axes_line(const RunReport& r) {
     const UpAxis up = r.write.frame.up;
     return fmt::format("axes: {} up: {}{}", to_word(up),
-                       !has_transform(r)    ? "coordinates stay as they are"
+                       !has_transform(r)  ? "coordinates stay as they are"
                        : up == UpAxis::kY ? "as glTF has it"
                                           : "turned to y up by the node",
                        overrules(up != r.frame.up, "--up"));
@@ -59,8 +63,9 @@ std::vector<std::string> frame_lines(const RunReport& r) {
     if (frame.metres_per_unit != 0.0 && frame.metres_per_unit != 1.0)
         lines.push_back(units_line(r));
     if (const Vec3d shift = r.write.global_shift; !(shift == Vec3d{}))
-        lines.push_back(fmt::format("global shift: {} {} {}, carried by the node's translation",
-                                    shift.x, shift.y, shift.z));
+        lines.push_back(fmt::format("global shift: {} {} {}, {}", shift.x, shift.y, shift.z,
+                                    has_translation(r) ? "carried by the node's translation"
+                                                       : "taken off the coordinates"));
     if (!frame.crs.name.empty()) lines.push_back(crs_line(r));
     return lines;
 }
@@ -70,10 +75,10 @@ std::vector<std::pair<std::string, std::string>> frame_facts(const Frame& frame,
     std::vector<std::pair<std::string, std::string>> facts;
     facts.emplace_back("up", frame.up == UpAxis::kAuto ? "not told" : to_word(frame.up));
     if (!frame.unit.empty())
-        facts.emplace_back("unit", frame.metres_per_unit == 0.0
-                                       ? frame.unit
-                                       : fmt::format("{} of {:.10g} m", frame.unit,
-                                                     frame.metres_per_unit));
+        facts.emplace_back("unit",
+                           frame.metres_per_unit == 0.0
+                               ? frame.unit
+                               : fmt::format("{} of {:.10g} m", frame.unit, frame.metres_per_unit));
     if (!frame.crs.name.empty()) facts.emplace_back("CRS", crs_text(frame.crs));
     if (!frame.height_unit.empty()) facts.emplace_back("heights", frame.height_unit);
     if (load.scanners.empty()) return facts;

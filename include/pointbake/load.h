@@ -35,7 +35,7 @@ struct LoadReport {
     std::uint64_t num_merged = 0;  ///< rows merged into another one with the same coordinates
     std::uint64_t num_zero_normals = 0;
     std::uint64_t num_bad_faces =
-        0;              ///< faces dropped: bad index, fewer than three different corners
+        0;                        ///< faces dropped: bad index, fewer than three different corners
     std::vector<Vec3d> scanners;  ///< where they stood
     std::string guess;  ///< what the reader had to guess and an option overrules; empty = nothing
     std::vector<std::string>
@@ -64,9 +64,9 @@ LoadResult load_cloud(const std::filesystem::path& path, const LoadOptions& opti
 std::optional<std::uint64_t> promised_points(const std::filesystem::path& path);
 
 /// The points of all files, as if they stood in one after the other: rows count on from file to
-/// file. Attributes that not all files have are left out, with a note; so are faces. The frame is the
-/// first file's, with a warning where others have another one. One file is
-/// handed back as it is.
+/// file. Attributes that not all files have are left out, with a note; so are faces. The frame is
+/// the first file's, with a warning where others have another one. One file is handed back as it
+/// is.
 LoadResult merge_clouds(std::vector<LoadResult> parts, const Context& context = {});
 
 /// Reads a mesh with its textures: OBJ (+ MTL, PNG, JPEG), GLB, glTF, PLY (vertex colours, texture

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -71,7 +72,8 @@ struct Crs {
     int epsg = 0;                ///< its EPSG code; 0 = not known
     std::string vertical;        ///< name of the system of the heights; empty = not told
     bool is_geographic = false;  ///< x and y are angles
-    std::string wkt;  ///< its horizontal part as ESRI's WKT, which .prj files hold; empty = not known
+    std::string
+        wkt;  ///< its horizontal part as ESRI's WKT, which .prj files hold; empty = not known
     friend bool operator==(const Crs&, const Crs&) = default;
 };
 
@@ -130,6 +132,9 @@ struct Image {
     // As a page of a model that was made:
     bool repeats = false;   ///< beyond 0..1 it begins again
     bool has_mips = false;  ///< what lies side by side may be mixed: viewers may use mip levels
+    /// A JPEG or WebP file that holds just these pixels, and is written as it is; empty = none:
+    /// written as PNG.
+    std::vector<std::byte> file{};
 
     std::size_t num_texels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

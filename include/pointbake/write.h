@@ -19,20 +19,52 @@ struct EnumWords<Shading> {
     static constexpr std::string_view words[] = {"unlit", "lit"};
 };
 
+enum class Compression { kNone, kMeshopt, kDraco };
+template <>
+struct EnumWords<Compression> {
+    static constexpr std::string_view words[] = {"none", "meshopt", "draco"};
+};
+enum class ImageFormat { kPng, kJpeg, kWebp };
+template <>
+struct EnumWords<ImageFormat> {
+    static constexpr std::string_view words[] = {"png", "jpeg", "webp"};
+};
+
+/// How the pages of colours become image files.
+struct ImageOptions {
+    ImageFormat format = ImageFormat::kPng;
+    int quality = 90;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("texture-format", &ImageOptions::format,
+              "of colour maps; jpeg and webp are smaller, and what they lose counts as error");
+        field("texture-quality", &ImageOptions::quality,
+              "1 to 100, of jpeg and webp; webp loses nothing at 100");
+    }
+};
+
+/// Throws Error{kInvalidOption} for a quality out of range.
+void validate(const ImageOptions& options);
+
 struct WriteOptions {
     Shading shading = Shading::kUnlit;
     UpAxis up = UpAxis::kAuto;
     std::optional<double> scale;
+    Compression compress = Compression::kNone;
     template <class Field>
     static void describe(Field&& field) {
         field("shading", &WriteOptions::shading,
               "unlit: colours as captured; lit: with normals, for a lit scene");
         field("up", &WriteOptions::up,
-              "which axis of the input points up (a node transform; coordinates stay); auto: as its kind "
+              "which axis of the input points up (a node transform; coordinates stay); auto: as "
+              "its kind "
               "of file has it");
         field("scale", &WriteOptions::scale,
-              "metres per unit of the input (a node transform; coordinates stay); default: as its CRS "
+              "metres per unit of the input (a node transform; coordinates stay); default: as its "
+              "CRS "
               "says, else 1");
+        field("compress", &WriteOptions::compress,
+              "of the geometry in GLB and glTF, for viewers that know the extension");
     }
 };
 
@@ -40,7 +72,7 @@ struct WriteReport {
     std::uint64_t num_bytes = 0;       ///< all files together
     std::uint64_t num_vertices = 0;    ///< after splits along texture borders
     std::uint64_t num_draw_calls = 0;  ///< primitives
-    Frame frame;         ///< what the input tells, or options overrule
+    Frame frame;                       ///< what the input tells, or options overrule
     Vec3d global_shift;  ///< what a node translation carries, as floats would lose it; else zero
     std::filesystem::path prj;  ///< the CRS beside the output; empty = none
     std::vector<std::filesystem::path> files;
@@ -53,10 +85,11 @@ Frame settled_frame(Frame frame, const WriteOptions& options);
 /// per face, or vertex colours). glTF passes the Khronos validator with 0 errors and 0 warnings:
 /// normals only where lit, samplers that clamp (repeat where a page does) and use mip levels only
 /// where a page has them, exact accessor bounds. Coordinates that lose more than 1e-6 of the
-/// diagonal as floats are written relative to a node translation. The model's frame turns and scales a
-/// glTF's node, and is told in its extras and in comments of OBJ and PLY; a CRS that is known goes
-/// into a .prj beside the model, unless another one is there already (a warning). Throws Error{kOutput} and leaves
-/// nothing behind; Error{kUnsupported} names the extensions that are known.
+/// diagonal as floats are written relative to a node translation. The model's frame turns and
+/// scales a glTF's node, and is told in its extras and in comments of OBJ and PLY; a CRS that is
+/// known goes into a .prj beside the model, unless another one is there already (a warning). Throws
+/// Error{kOutput} and leaves nothing behind; Error{kUnsupported} names the extensions that are
+/// known.
 WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
                         const WriteOptions& options = {}, const Context& context = {});
 
