@@ -16,6 +16,7 @@ void add_job_options(OptionTable& table, Job& job, Stage first, Stage last) {
     if (has(Stage::kSimplify)) table.add(OptionGroup::kGeometry, true, job.convert.simplify);
     if (has(Stage::kTexture)) {
         table.add(OptionGroup::kTexture, true, job.convert.texture);
+        table.add(OptionGroup::kTexture, true, job.convert.images);
         table.add(OptionGroup::kAtlas, true, job.convert.atlas);
     }
     table.add(OptionGroup::kOutput, true, job.write);

@@ -17,7 +17,8 @@ constexpr CommandText kConvertText = {
     "pointbake render FILE... [OUT.png]        a picture of clouds and models, side by side\n"
     "pointbake sample MESH [OUT.ply]           the way back: points of a mesh\n"
     "pointbake demo [OUT.glb]                  convert a painted model that the program makes",
-    "Turns a point cloud into a textured mesh: GLB, glTF, OBJ or PLY, by the name of OUTPUT.\n"
+    "Turns a point cloud into a textured mesh: GLB, glTF, OBJ, PLY, USDZ or STL (without\n"
+    "texture), by the name of OUTPUT.\n"
     "Several inputs become one cloud; the last name is the output, unless -o names it.\n"
     "Each command has its own --help. Exit codes: 0 written, 1 bug, 2 usage, 3 input, 4 output,\n"
     "5 limit or bound, 6 nothing left after cleaning, 130 cancelled."};
@@ -55,6 +56,11 @@ void check_not_points(const Job& job, bool is_named) {
              job.output.string());
 }
 
+/// STL holds triangles alone.
+void stop_before_texture(Job& job) {
+    job.stop.stop_after = std::min(job.stop.stop_after, Stage::kSimplify);
+}
+
 }  // namespace
 
 void run_convert(Words words, const std::stop_token& stop) {
@@ -71,6 +77,7 @@ void run_convert(Words words, const std::stop_token& stop) {
     check_command_first(job.inputs[0]);
     job.output = line.output.empty() ? default_output(job) : line.output;
     check_not_points(job, is_named);
+    if (lower_extension(job.output) == ".stl") stop_before_texture(job);
     finish_job(job, table);
     Console console(line.verbosity, job.run.progress);
     run_job(job, console, stop);

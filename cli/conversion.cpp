@@ -16,7 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> kModelExtensions = {".glb", ".gltf", ".obj", ".ply"};
+constexpr std::array<std::string_view, 5> kModelExtensions = {".glb", ".gltf", ".obj", ".ply",
+                                                              ".usdz"};
+constexpr std::array<std::string_view, 6> kMeshExtensions = {".glb", ".gltf", ".obj",
+                                                             ".ply", ".stl",  ".usdz"};
 constexpr std::array<std::string_view, 1> kPointExtensions = {".ply"};
 
 class Stopwatch {
@@ -40,6 +43,9 @@ void check_options(const Job& job) {
     if (job.write.scale && !(*job.write.scale > 0.0))
         fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", *job.write.scale);
     validate(job.convert);
+    if (lower_extension(job.output) == ".usdz" && job.convert.images.format == ImageFormat::kWebp)
+        fail(ErrorCode::kInvalidOption,
+             "--texture-format webp does not go with USDZ, which holds PNG and JPEG");
     if (job.convert.texture.keep_uvs && job.mesh.mesh.empty())
         fail(ErrorCode::kInvalidOption, "--keep-uvs needs a mesh to keep them of: --mesh FILE");
     if (job.output.empty() && job.files.work_dir.empty())
@@ -71,8 +77,11 @@ void check_outputs(const Job& job) {
     static constexpr std::array<std::string_view, 1> json = {".json"};
     if (writes_points_only(job.stop.stop_after))
         check(job.output, kPointExtensions);
+    else if (job.stop.stop_after <= Stage::kSimplify)
+        check(job.output, kMeshExtensions);
     else
         check(job.output, kModelExtensions);
+    check(job.files.write_cloud, kPointExtensions);
     check(job.files.write_points, kPointExtensions);
     if (!job.files.debug_maps.empty() &&
         std::ranges::find(taken, job.files.debug_maps) != taken.end())
@@ -186,6 +195,12 @@ class Run {
                          context_);
     }
 
+    /// With the normals as they were turned last.
+    void write_cloud(const ConvertResult& result) {
+        if (!job_.files.write_cloud.empty())
+            pointbake::write_cloud(result.cloud, job_.files.write_cloud, context_);
+    }
+
     void write_debug_maps(const ConvertResult& result) {
         if (job_.files.debug_maps.empty()) return;
         for (const DebugMap& map : result.debug_maps)
@@ -238,6 +253,7 @@ ConvertResult run_steps(const Job& job, Console& console, const std::stop_token&
     }
     ConvertResult result = run.convert(std::move(input));
     run.write_rows(result);
+    run.write_cloud(result);
     run.write_debug_maps(result);
     const bool is_failure = run.fails_strict();
     if (!is_failure) run.write(result);

@@ -12,7 +12,11 @@ namespace {
 /// Other files hold coordinates alone.
 bool has_transform(const RunReport& r) {
     const std::string extension = lower_extension(r.output);
-    return extension == ".glb" || extension == ".gltf";
+    return extension == ".glb" || extension == ".gltf" || extension == ".usdz";
+}
+
+bool has_translation(const RunReport& r) {
+    return has_transform(r) && lower_extension(r.output) != ".usdz";
 }
 
 std::string overrules(bool is_asked, std::string_view option) {
@@ -59,8 +63,9 @@ std::vector<std::string> frame_lines(const RunReport& r) {
     if (frame.metres_per_unit != 0.0 && frame.metres_per_unit != 1.0)
         lines.push_back(units_line(r));
     if (const Vec3d shift = r.write.global_shift; !(shift == Vec3d{}))
-        lines.push_back(fmt::format("global shift: {} {} {}, carried by the node's translation",
-                                    shift.x, shift.y, shift.z));
+        lines.push_back(fmt::format("global shift: {} {} {}, {}", shift.x, shift.y, shift.z,
+                                    has_translation(r) ? "carried by the node's translation"
+                                                       : "taken off the coordinates"));
     if (!frame.crs.name.empty()) lines.push_back(crs_line(r));
     return lines;
 }

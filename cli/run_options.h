@@ -92,6 +92,7 @@ struct StopOptions {
 struct FileOptions {
     std::filesystem::path work_dir;
     std::filesystem::path write_points;
+    std::filesystem::path write_cloud;
     std::filesystem::path report;
     std::filesystem::path debug_maps;
     template <class Field>
@@ -100,6 +101,9 @@ struct FileOptions {
               "write what each stage made into this folder, as numbered PLY, GLB, PNG, JSON");
         field("write-points", &FileOptions::write_points,
               "write every input row as PLY, with `kept` and `reason`");
+        field(
+            "write-cloud", &FileOptions::write_cloud,
+            "write the points as they were converted, cleaned and denoised, as PLY, with normals");
         field("report", &FileOptions::report,
               "write what was found, done and measured as JSON; - writes to stdout");
         field("debug-maps", &FileOptions::debug_maps,

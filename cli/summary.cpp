@@ -98,6 +98,8 @@ std::string cap_reasons(const CappedCounts& capped) {
     append(capped.by_size, "as large as --max-patch or --page-size allow");
     append(capped.by_budget, "for want of --texels");
     append(capped.by_layout, "that share texels with others");
+    append(capped.by_format,
+           "by what --texture-format loses (a higher --texture-quality loses less)");
     return text;
 }
 
@@ -114,6 +116,11 @@ std::string texture_line(const RunReport& r) {
         "{}",
         counted(static_cast<std::uint64_t>(atlas.num_texels), "texel"), pages_text(atlas.pages),
         100.0 * atlas.fill, texture.error_rms, texture.raw_rms, bound_text(texture.bound));
+}
+
+std::string vertex_colors_line(const RunReport& r) {
+    return fmt::format("colours of vertices, no texture; {:.3g} RMS to the points",
+                       r.convert.texture.raw_rms);
 }
 
 std::string file_line(const RunReport& r) {
@@ -144,13 +151,14 @@ std::string simplify_plan(const ConvertOptions& convert, double diagonal) {
 }
 
 std::string texture_plan(const TextureOptions& options) {
-    const bool has_bound = options.texture_error || options.texels == 0;
+    if (options.texels == 0) return "none: colours of vertices";
+    const bool has_bound = options.texture_error || !options.texels;
     std::string text = has_bound ? fmt::format("error at most {:.3g} steps",
                                                options.texture_error.value_or(kDefaultTextureError))
                                  : "";
-    if (options.texels == 0) return text;
+    if (!options.texels) return text;
     return fmt::format("{}{}at most {}", text, has_bound ? ", " : "",
-                       counted(options.texels, "texel"));
+                       counted(*options.texels, "texel"));
 }
 
 std::string surface_plan(const Job& job, const ConvertInput& input) {
@@ -199,6 +207,8 @@ std::vector<std::string> summary_lines(const RunReport& r) {
     if (r.last_stage >= Stage::kSimplify) lines.push_back(geometry_line(r));
     if (r.last_stage >= Stage::kTexture && r.convert.atlas.num_texels > 0)
         lines.push_back(texture_line(r));
+    else if (r.last_stage >= Stage::kTexture && r.convert.texture.raw_rms > 0.0)
+        lines.push_back(vertex_colors_line(r));
     for (std::string& line : frame_lines(r)) lines.push_back(std::move(line));
     if (!r.write.files.empty() || r.output.empty()) lines.push_back(file_line(r));
     return lines;

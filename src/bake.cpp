@@ -7,6 +7,8 @@
 
 #include "core/message.h"
 #include "core/parallel.h"
+#include "io/image_io.h"
+#include "write/encode_image.h"
 
 namespace pointbake {
 namespace {
@@ -24,21 +26,25 @@ struct Fitted {
     std::vector<Placement> placements;
 };
 
+// Texels over all pages; 0 = no budget.
+std::int64_t budget_of(const TextureOptions& options) {
+    return static_cast<std::int64_t>(options.texels.value_or(0));
+}
+
 // No patch may be larger than the pages that the budget buys.
 int smallest_page_side(const ConvertOptions& options) {
     int side = options.atlas.page_size;
-    if (options.texture.texels == 0) return side;
-    for (const PageSize& page :
-         budget_pages(static_cast<std::int64_t>(options.texture.texels), options.atlas)) {
+    const std::int64_t budget = budget_of(options.texture);
+    if (budget == 0) return side;
+    for (const PageSize& page : budget_pages(budget, options.atlas))
         side = std::min({side, page.width, page.height});
-    }
     return side;
 }
 
 // The largest plan that fits the pages which the budget buys.
 Fitted fit_budget(const TextureBaker& baker, double bound, const ConvertOptions& options,
                   const Context& context) {
-    const auto budget = static_cast<std::int64_t>(options.texture.texels);
+    const std::int64_t budget = budget_of(options.texture);
     const std::vector<PageSize> pages = budget_pages(budget, options.atlas);
     const std::int64_t area = num_texels(pages);
 
@@ -83,7 +89,7 @@ Fitted packed(TexturePlan plan, const ConvertOptions& options, const Context& co
 
 Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& options,
            const Context& context) {
-    if (options.texture.texels > 0) return fit_budget(baker, bound, options, context);
+    if (budget_of(options.texture) > 0) return fit_budget(baker, bound, options, context);
     return packed(baker.plan(bound, std::numeric_limits<std::int64_t>::max(), context), options,
                   context);
 }
@@ -92,7 +98,7 @@ Fitted fit(const TextureBaker& baker, double bound, const ConvertOptions& option
 // then, with larger patches where it is. (A second time makes few more triangles hold their bound.)
 void refine_in_place(BakedTexture& baked, Fitted& fitted, const TextureBaker& baker, double bound,
                      const ConvertOptions& options, const Context& context) {
-    if (!std::isfinite(bound) || options.texture.texels > 0 || options.texture.paper) return;
+    if (!std::isfinite(bound) || budget_of(options.texture) > 0 || options.texture.paper) return;
     std::optional<TexturePlan> plan = baker.refined(fitted.plan, bound, baked, context);
     if (!plan) return;
     Fitted larger = packed(std::move(*plan), options, context);
@@ -109,14 +115,20 @@ void paint_unowned(Image& page, std::span<const std::uint8_t> owned, HexColor co
                             page.pixels[3 * i + 2] = color.b;
 }
 
-BakeResult finish(BakedTexture baked, std::vector<PageSize> pages, const TextureOptions& options,
-                  const Context& context) {
-    for (std::size_t i = 0; i < pages.size(); ++i) {
-        if (options.debug_background)
-            paint_unowned(baked.model.images[i], baked.owned[i], *options.debug_background);
-        else
-            fill_unowned_in_place(baked.model.images[i], baked.owned[i], context);
-    }
+// A page as it is written: filled where no patch needs it, and coded. Only colours are coded with
+// loss.
+void finish_page(Image& page, std::span<const std::uint8_t> owned, const ConvertOptions& options,
+                 bool is_color, const Context& context) {
+    if (options.texture.debug_background)
+        paint_unowned(page, owned, *options.texture.debug_background);
+    else
+        fill_unowned_in_place(page, owned, context);
+    if (!is_color || options.images.format == ImageFormat::kPng) return;
+    page.file = encode_lossy(page, options.images, context);
+    page.pixels = decode_image(page.file, "page", Maker::kThisProgram).pixels;
+}
+
+BakeResult finish(BakedTexture baked, std::vector<PageSize> pages, const Context& context) {
     report_progress(context, "texture", 1.0);
     BakeResult out;
     out.model = std::move(baked.model);
@@ -140,7 +152,7 @@ GivenLayout::Page page_of_material(const TexturedMesh& given, Index material) {
 }
 
 double bound_of(const TextureOptions& options) {
-    return options.texture_error.value_or(options.texels > 0 ? HUGE_VAL : kDefaultTextureError);
+    return options.texture_error.value_or(options.texels ? HUGE_VAL : kDefaultTextureError);
 }
 
 BakeResult pack_and_bake(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
@@ -162,7 +174,7 @@ BakeResult pack_and_bake(const Mesh& mesh, const PointCloud& cloud, std::span<co
     report_progress(context, "texture", 0.85);
     BakedTexture baked = baker.bake(fitted.plan, bound, fitted.pages, fitted.placements, context);
     refine_in_place(baked, fitted, baker, bound, options, context);
-    return finish(std::move(baked), std::move(fitted.pages), texture, context);
+    return finish(std::move(baked), std::move(fitted.pages), context);
 }
 
 BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
@@ -171,7 +183,7 @@ BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
     std::vector<PageSize> proportions;
     for (const GivenLayout::Page& page : layout.pages) proportions.push_back(page.proportions);
     constexpr std::int64_t kNoBudget = std::numeric_limits<std::int64_t>::max();
-    const auto texels = static_cast<std::int64_t>(options.texture.texels);
+    const std::int64_t texels = budget_of(options.texture);
     const GivenLimits limits{
         bound_of(options.texture),
         scaled_pages(proportions, texels > 0 ? texels : kNoBudget, options.atlas),
@@ -179,8 +191,7 @@ BakeResult bake_into_layout(const Mesh& mesh, const PointCloud& cloud,
             num_texels(scaled_pages(proportions, kNoBudget, options.atlas).back()) > texels};
     const TextureBaker baker(mesh, cloud, owners, options.texture, context);
     GivenBake baked = baker.bake_given(layout, limits, context);
-    BakeResult out =
-        finish(std::move(baked.texture), std::move(baked.pages), options.texture, context);
+    BakeResult out = finish(std::move(baked.texture), std::move(baked.pages), context);
     if (baked.num_shared_texels > 0)
         out.warnings.push_back(
             fmt::format("--keep-uvs: {} texels lie in several triangles (a mirrored or repeated "
@@ -225,10 +236,19 @@ GivenLayout given_layout(const std::optional<TexturedMesh>& mesh) {
 }
 
 BakeResult bake_texture(const Mesh& mesh, const PointCloud& cloud, std::span<const Index> owners,
-                        const std::optional<GivenLayout>& layout, const ConvertOptions& options,
+                        const std::optional<GivenLayout>& layout, const ConvertOptions& given,
                         const Context& context) {
-    return layout ? bake_into_layout(mesh, cloud, owners, *layout, options, context)
-                  : pack_and_bake(mesh, cloud, owners, options, context);
+    const bool is_color = !cloud.colors.empty();
+    ConvertOptions options = given;
+    options.texture.finish_page = [&](Image& page, std::span<const std::uint8_t> owned) {
+        finish_page(page, owned, given, is_color, context);
+    };
+    BakeResult out = layout ? bake_into_layout(mesh, cloud, owners, *layout, options, context)
+                            : pack_and_bake(mesh, cloud, owners, options, context);
+    if (!is_color && given.images.format != ImageFormat::kPng)
+        out.warnings.push_back(fmt::format("normal maps stay PNG: {} would bend the normals",
+                                           to_word(given.images.format)));
+    return out;
 }
 
 }  // namespace pointbake

@@ -11,6 +11,7 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "write/encode_image.h"
 
 namespace pointbake {
 namespace {
@@ -73,12 +74,15 @@ bool intensity_to_color(PointCloud& cloud) {
     return false;
 }
 
-void settle_colors(ConvertResult& result, const Context& context) {
+void settle_colors(ConvertResult& result, bool has_vertex_colors, const Context& context) {
     if (!result.cloud.colors.empty()) return;
     if (intensity_to_color(result.cloud)) {
         warn(result, context, "the points carry no colours: their intensity is shown as grey");
     } else {
-        warn(result, context, "the points carry no colours: a normal map is baked instead");
+        warn(result, context,
+             fmt::format("the points carry no colours: {}", has_vertex_colors
+                                                                ? "the mesh has none, either"
+                                                                : "a normal map is baked instead"));
     }
 }
 
@@ -265,6 +269,56 @@ void settle_lengths(Options& options, double metres_per_unit) {
     });
 }
 
+void check_images(const ConvertOptions& options) {
+    validate(options.images);
+    const int longest = longest_side(options.images.format);
+    if (options.atlas.page_size > longest)
+        fail(ErrorCode::kInvalidOption, "page-size is {}: {} holds at most {}",
+             options.atlas.page_size, to_word(options.images.format), longest);
+}
+
+// --texels 0: there is no texture.
+bool colors_vertices(const ConvertOptions& options) { return options.texture.texels == 0; }
+
+// Without a texture, what is asked of it would not be done.
+void check_vertex_colors(const ConvertOptions& options) {
+    if (!colors_vertices(options)) return;
+    const auto refuse = [](std::string_view option) {
+        fail(ErrorCode::kInvalidOption, "--texels 0 makes no texture: {} does not go with it",
+             option);
+    };
+    if (options.texture.texture_error) refuse("--texture-error");
+    if (options.texture.keep_uvs) refuse("--keep-uvs");
+    if (options.texture.paper) refuse("--paper");
+    if (options.texture.debug_maps) refuse("--debug-maps");
+}
+
+// The light mesh with the colours of its vertices; without colours of the points it has none.
+void color_mesh(ConvertResult& result, const ConvertOptions& options, const Context& context) {
+    result.model.mesh = result.light.mesh;
+    result.model.materials = {Material{.name = "surface"}};
+    TextureReport& report = result.report.texture;
+    report.bound = HUGE_VAL;
+    if (result.cloud.colors.empty()) return;
+    VertexColors colors = color_vertices(result.light.mesh, result.cloud,
+                                         result.light.point_triangles, options.texture, context);
+    result.model.mesh.colors = std::move(colors.colors);
+    report.raw_rms = colors.rms;
+    report.raw_p99 = colors.p99;
+    report.num_unseen_vertices = colors.num_unseen;
+}
+
+void bake_pages(ConvertResult& result, const std::optional<GivenLayout>& layout,
+                const ConvertOptions& options, const Context& context) {
+    BakeResult baked = bake_texture(result.light.mesh, result.cloud, result.light.point_triangles,
+                                    layout, options, context);
+    for (std::string& warning : baked.warnings) warn(result, context, std::move(warning));
+    result.model = std::move(baked.model);
+    result.debug_maps = std::move(baked.debug_maps);
+    result.report.texture = baked.texture;
+    result.report.atlas = std::move(baked.atlas);
+}
+
 }  // namespace
 
 ConvertOptions in_cloud_units(ConvertOptions options, const Frame& frame) {
@@ -288,9 +342,11 @@ void validate(const ConvertOptions& options) {
     validate(options.simplify);
     // Refuses sides and budgets that no page can have.
     constexpr std::uint64_t kSmallestPage = 64 * 64;
-    budget_pages(static_cast<std::int64_t>(options.texture.texels > 0 ? options.texture.texels
-                                                                      : kSmallestPage),
-                 options.atlas);
+    if (!colors_vertices(options))
+        budget_pages(static_cast<std::int64_t>(options.texture.texels.value_or(kSmallestPage)),
+                     options.atlas);
+    check_images(options);
+    check_vertex_colors(options);
     if (options.simplify.triangles > 0 && (options.simplify.keep_mesh || options.texture.keep_uvs))
         fail(ErrorCode::kInvalidOption,
              "--triangles does not go with a mesh that is kept (--keep-mesh, --keep-uvs)");
@@ -360,17 +416,14 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
         return result;
     }
     stages.run(Stage::kTexture, [&] {
-        settle_colors(result, context);
-        BakeResult baked = bake_texture(result.light.mesh, result.cloud,
-                                        result.light.point_triangles, layout, options, context);
-        for (std::string& warning : baked.warnings) warn(result, context, std::move(warning));
-        result.model = std::move(baked.model);
+        settle_colors(result, colors_vertices(options), context);
+        if (colors_vertices(options))
+            color_mesh(result, options, context);
+        else
+            bake_pages(result, layout, options, context);
         result.model.frame = result.cloud.frame;
-        result.debug_maps = std::move(baked.debug_maps);
         const bool open = has_border(result.model.mesh);
         for (Material& material : result.model.materials) material.is_double_sided = open;
-        result.report.texture = baked.texture;
-        result.report.atlas = std::move(baked.atlas);
     });
     return result;
 }

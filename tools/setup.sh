@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 mkdir -p build
 
 packages="g++ cmake ninja-build ccache pkg-config libcgal-dev libtbb-dev libeigen3-dev libnanoflann-dev
-          libdeflate-dev libspng-dev libpugixml-dev libproj-dev zlib1g-dev libzstd-dev libturbojpeg0-dev libjpeg62-turbo-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
+          libdeflate-dev libspng-dev libpugixml-dev libproj-dev zlib1g-dev libzstd-dev libturbojpeg0-dev libjpeg62-turbo-dev libwebp-dev libmeshoptimizer-dev libdraco-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
 [ "${1:-build}" = test ] && packages="$packages libgtest-dev libgmock-dev python3"
 [ "${1:-build}" = fuzz ] && packages="$packages libgtest-dev libgmock-dev python3 clang-19 libclang-rt-19-dev"
 if [ "${1:-build}" = browser ]; then  # other sources of these will do

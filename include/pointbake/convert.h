@@ -14,6 +14,7 @@
 #include "pointbake/simplify.h"
 #include "pointbake/texture.h"
 #include "pointbake/types.h"
+#include "pointbake/write.h"
 
 namespace pointbake {
 
@@ -32,6 +33,7 @@ struct ConvertOptions {
     SimplifyOptions simplify;
     TextureOptions texture;
     AtlasOptions atlas;
+    ImageOptions images;
     Stage stop_after = Stage::kWrite;
 };
 

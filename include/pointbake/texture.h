@@ -2,6 +2,7 @@
 // needs.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -30,7 +31,7 @@ struct EnumWords<Projection> {
 
 struct TextureOptions {
     std::optional<double> texture_error;  ///< unset: 4, or no bound if a number of texels is given
-    std::uint64_t texels = 0;
+    std::optional<std::uint64_t> texels;  ///< unset: no budget; 0: no texture, colours of vertices
     AtlasKind atlas = AtlasKind::kCharts;
     int mips = 2;
     Projection projection = Projection::kInterpolated;
@@ -40,6 +41,9 @@ struct TextureOptions {
     bool keep_uvs = false;
     std::optional<HexColor> debug_background;
     bool debug_maps = false;  ///< BakedTexture::debug_maps are made
+    /// Called with each page that is painted, before it is measured, and its owned texels: fills
+    /// it, codes it.
+    std::function<void(Image&, std::span<const std::uint8_t>)> finish_page{};
     template <class Field>
     static void describe(Field&& field) {
         field("texture-error", &TextureOptions::texture_error,
@@ -47,7 +51,7 @@ struct TextureOptions {
               "(default 4)");
         field("texels", &TextureOptions::texels,
               "at most this many texels over all pages of a map; alone, it replaces the default "
-              "bound");
+              "bound; 0 = no texture: vertices get colours");
         field("atlas", &TextureOptions::atlas,
               "a patch is a chart of many triangles, or one triangle");
         field("mips", &TextureOptions::mips,
@@ -72,7 +76,10 @@ struct CappedCounts {
     Index by_size = 0;     ///< longest side of a patch or page
     Index by_budget = 0;   ///< --texels
     Index by_layout = 0;   ///< shares its texels with others, or has none
-    Index total() const { return by_spacing + by_count + by_size + by_budget + by_layout; }
+    Index by_format = 0;   ///< what the image format loses
+    Index total() const {
+        return by_spacing + by_count + by_size + by_budget + by_layout + by_format;
+    }
 };
 
 struct TextureReport {
@@ -87,6 +94,7 @@ struct TextureReport {
     std::uint64_t num_hidden_points = 0;  ///< seen from behind, or under another layer
     std::uint64_t num_uncovered_texels =
         0;  ///< inside a triangle, but no splat reached them; filled from those around
+    Index num_unseen_vertices = 0;  ///< --texels 0: coloured by their neighbours
     std::uint64_t num_patches = 0, num_needed_texels = 0;
     double payload_texels =
         0.0;  ///< surface area in texels: sum of the triangles' areas in the pages
@@ -202,5 +210,21 @@ class TextureBaker {
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
+
+/// Colours of a mesh's vertices, instead of a texture.
+struct VertexColors {
+    std::vector<Rgb16> colors;    ///< per vertex
+    double rms = 0.0, p99 = 0.0;  ///< between the triangles, shaded linearly in linear light, and
+                                  ///< the points' own colours: 8-bit sRGB steps
+    Index num_unseen = 0;  ///< vertices without points around them: coloured by their neighbours
+};
+
+/// The mean, in linear light, of the points on the triangles around each vertex, weighted by the
+/// areas that they stand for and by how near they are to the vertex (1 there, 0 on the opposite
+/// edge). Linear time. The cloud needs areas and colours; `owners` as for TextureBaker. Vertices
+/// without triangles are black.
+VertexColors color_vertices(const Mesh& mesh, const PointCloud& cloud,
+                            std::span<const Index> owners, const TextureOptions& options,
+                            const Context& context = {});
 
 }  // namespace pointbake

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -131,6 +132,9 @@ struct Image {
     // As a page of a model that was made:
     bool repeats = false;   ///< beyond 0..1 it begins again
     bool has_mips = false;  ///< what lies side by side may be mixed: viewers may use mip levels
+    /// A JPEG or WebP file that holds just these pixels, and is written as it is; empty = none:
+    /// written as PNG.
+    std::vector<std::byte> file{};
 
     std::size_t num_texels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

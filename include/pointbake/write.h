@@ -19,10 +19,38 @@ struct EnumWords<Shading> {
     static constexpr std::string_view words[] = {"unlit", "lit"};
 };
 
+enum class Compression { kNone, kMeshopt, kDraco };
+template <>
+struct EnumWords<Compression> {
+    static constexpr std::string_view words[] = {"none", "meshopt", "draco"};
+};
+enum class ImageFormat { kPng, kJpeg, kWebp };
+template <>
+struct EnumWords<ImageFormat> {
+    static constexpr std::string_view words[] = {"png", "jpeg", "webp"};
+};
+
+/// How the pages of colours become image files.
+struct ImageOptions {
+    ImageFormat format = ImageFormat::kPng;
+    int quality = 90;
+    template <class Field>
+    static void describe(Field&& field) {
+        field("texture-format", &ImageOptions::format,
+              "of colour maps; jpeg and webp are smaller, and what they lose counts as error");
+        field("texture-quality", &ImageOptions::quality,
+              "1 to 100, of jpeg and webp; webp loses nothing at 100");
+    }
+};
+
+/// Throws Error{kInvalidOption} for a quality out of range.
+void validate(const ImageOptions& options);
+
 struct WriteOptions {
     Shading shading = Shading::kUnlit;
     UpAxis up = UpAxis::kAuto;
     std::optional<double> scale;
+    Compression compress = Compression::kNone;
     template <class Field>
     static void describe(Field&& field) {
         field("shading", &WriteOptions::shading,
@@ -35,6 +63,8 @@ struct WriteOptions {
               "metres per unit of the input (a node transform; coordinates stay); default: as its "
               "CRS "
               "says, else 1");
+        field("compress", &WriteOptions::compress,
+              "of the geometry in GLB and glTF, for viewers that know the extension");
     }
 };
 

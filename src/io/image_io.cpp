@@ -1,9 +1,10 @@
-// PNG by libspng, JPEG by libjpeg-turbo. Sizes that a header promises are checked against what the
-// bytes can hold before anything is allocated.
+// PNG by libspng, JPEG by libjpeg-turbo, WebP by libwebp. Sizes that a header promises are checked
+// against what the bytes can hold before anything is allocated.
 #include "io/image_io.h"
 
 #include <spng.h>
 #include <turbojpeg.h>
+#include <webp/decode.h>
 
 #include <cstring>
 #include <memory>
@@ -67,7 +68,7 @@ Image decode_png(std::span<const std::byte> bytes, const std::string& name) {
     return image;
 }
 
-Image decode_jpeg(std::span<const std::byte> bytes, const std::string& name) {
+Image decode_jpeg(std::span<const std::byte> bytes, const std::string& name, Maker maker) {
     const std::unique_ptr<void, int (*)(void*)> decoder(tjInitDecompress(), &tjDestroy);
     const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
     const auto fail_here = [&] {
@@ -82,7 +83,7 @@ Image decode_jpeg(std::span<const std::byte> bytes, const std::string& name) {
     const auto num_columns = static_cast<std::uint32_t>(width);
     const auto num_rows = static_cast<std::uint32_t>(height);
     check_size(num_columns, num_rows, name);
-    check_packing(num_columns, num_rows, bytes.size(), name);
+    if (maker == Maker::kStranger) check_packing(num_columns, num_rows, bytes.size(), name);
     Image image = make_image(num_columns, num_rows);
     // Warnings (a file that is cut off in its last rows) leave a usable image.
     if (tjDecompress2(decoder.get(), data, bytes.size(), image.pixels.data(), width, 0, height,
@@ -92,14 +93,32 @@ Image decode_jpeg(std::span<const std::byte> bytes, const std::string& name) {
     return image;
 }
 
+Image decode_webp(std::span<const std::byte> bytes, const std::string& name, Maker maker) {
+    const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    int width = 0, height = 0;
+    if (WebPGetInfo(data, bytes.size(), &width, &height) == 0)
+        fail(ErrorCode::kInvalidInput, "{}: damaged WebP: its header cannot be read", name);
+    const auto num_columns = static_cast<std::uint32_t>(width);
+    const auto num_rows = static_cast<std::uint32_t>(height);
+    check_size(num_columns, num_rows, name);
+    if (maker == Maker::kStranger) check_packing(num_columns, num_rows, bytes.size(), name);
+    Image image = make_image(num_columns, num_rows);
+    if (WebPDecodeRGBInto(data, bytes.size(), image.pixels.data(), image.pixels.size(),
+                          3 * width) == nullptr)
+        fail(ErrorCode::kInvalidInput, "{}: damaged WebP, or an animated one", name);
+    return image;
+}
+
 }  // namespace
 
-Image decode_image(std::span<const std::byte> bytes, const std::string& name) {
+Image decode_image(std::span<const std::byte> bytes, const std::string& name, Maker maker) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (text.starts_with("\x89PNG")) return decode_png(bytes, name);
-    if (text.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes, name);
-    fail(ErrorCode::kUnsupported, "{}: neither PNG nor JPEG, which are the images that are read",
-         name);
+    if (text.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes, name, maker);
+    if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP"))
+        return decode_webp(bytes, name, maker);
+    fail(ErrorCode::kUnsupported,
+         "{}: neither PNG nor JPEG nor WebP, which are the images that are read", name);
 }
 
 Image read_image(const std::filesystem::path& path) {

@@ -82,8 +82,8 @@ class GltfReader {
     }
 
     void check_extensions() const {
-        constexpr std::array<std::string_view, 2> kKnown{"KHR_mesh_quantization",
-                                                         "KHR_texture_transform"};
+        constexpr std::array<std::string_view, 3> kKnown{
+            "KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp"};
         const auto required = file_.json().find("extensionsRequired");
         if (required == file_.json().end() || !required->is_array()) return;
         for (const Json& entry : *required) {
@@ -274,13 +274,22 @@ class GltfReader {
             extensions == nullptr ? nullptr : member(*extensions, "KHR_texture_transform");
         if (transform != nullptr) read_transform(*transform, uv);
         const Json& texture = file_.entry("textures", file_.index_or_fail(*reference, "index"));
-        if (const auto source = file_.index(texture, "source"))
+        if (const auto source = image_source(texture))
             material.color_image = image_of(*source);
         else
             log(context_, LogLevel::kWarning,
-                "{}: a texture that is neither PNG nor JPEG: its material stays plain",
+                "{}: a texture that is neither PNG nor JPEG nor WebP: its material stays plain",
                 file_.name());
         return uv;
+    }
+
+    /// The number of a texture's image, WebP first.
+    std::optional<std::size_t> image_source(const Json& texture) const {
+        const Json* extensions = member(texture, "extensions");
+        const Json* webp =
+            extensions == nullptr ? nullptr : member(*extensions, "EXT_texture_webp");
+        const auto source = webp == nullptr ? std::nullopt : file_.index(*webp, "source");
+        return source ? source : file_.index(texture, "source");
     }
 
     void read_transform(const Json& transform, UvSource& uv) const {

@@ -131,13 +131,15 @@ Json to_json(const TextureReport& r) {
               {"by_count", r.capped.by_count},
               {"by_size", r.capped.by_size},
               {"by_budget", r.capped.by_budget},
-              {"by_layout", r.capped.by_layout}}},
+              {"by_layout", r.capped.by_layout},
+              {"by_format", r.capped.by_format}}},
             {"sharpening_rounds", r.sharpening_rounds},
             {"hidden_points", r.num_hidden_points},
             {"patches", r.num_patches},
             {"needed_texels", r.num_needed_texels},
             {"payload_texels", r.payload_texels},
             {"uncovered_texels", r.num_uncovered_texels},
+            {"unseen_vertices", r.num_unseen_vertices},
             {"largest_stretch", r.largest_stretch},
             {"densities", densities}};
 }

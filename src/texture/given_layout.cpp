@@ -58,7 +58,7 @@ class GivenPainter {
         find_paintable();
     }
 
-    GivenBake run(bool debug_maps) {
+    GivenBake run(const TextureOptions& options) {
         choose_size();
         report_progress(context_, "texture", 0.5);
         out_.pages = limits_.sizes[size_];
@@ -68,10 +68,11 @@ class GivenPainter {
         report_progress(context_, "texture", 0.6);
         painter.paint();
         report_progress(context_, "texture", 0.8);
+        painter.finish(options.finish_page);
         painter.measure(limits_.bound, [&](Index t, TriangleGauge& gauge) {
             return why_capped(t, gauge, layout.triangles[t]);
         });
-        if (debug_maps) painter.draw_debug_maps();
+        if (options.debug_maps) painter.draw_debug_maps();
         out_.texture = painter.take();
         out_.texture.model.mesh.uvs = mesh_.uvs;
         for (std::size_t i = 0; i < out_.pages.size(); ++i)
@@ -232,9 +233,10 @@ void validate(const Mesh& mesh, const GivenLayout& layout) {
 }
 
 GivenBake paint_given(const PaintSource& source, const GivenLayout& layout,
-                      const GivenLimits& limits, bool debug_maps, const Context& context) {
+                      const GivenLimits& limits, const TextureOptions& options,
+                      const Context& context) {
     validate(source.scene.mesh, layout);
-    return GivenPainter(source, layout, limits, context).run(debug_maps);
+    return GivenPainter(source, layout, limits, context).run(options);
 }
 
 }  // namespace pointbake

@@ -7,8 +7,9 @@
 
 namespace pointbake {
 
-/// As TextureBaker::bake_given; with maps if asked for.
+/// As TextureBaker::bake_given.
 GivenBake paint_given(const PaintSource& source, const GivenLayout& layout,
-                      const GivenLimits& limits, bool debug_maps, const Context& context);
+                      const GivenLimits& limits, const TextureOptions& options,
+                      const Context& context);
 
 }  // namespace pointbake

@@ -320,9 +320,22 @@ void PagePainter::add_border(Index t, std::size_t k, TexelFit& fit) const {
     }
 }
 
+void PagePainter::finish(
+    const std::function<void(Image&, std::span<const std::uint8_t>)>& finish_page) {
+    if (!finish_page) return;
+    std::vector<Image> exact = out_.model.images;
+    bool is_coded = false;
+    for (std::size_t page = 0; page < exact.size(); ++page) {
+        check_cancelled(context_);
+        finish_page(out_.model.images[page], out_.owned[page]);
+        is_coded = is_coded || !out_.model.images[page].file.empty();
+    }
+    if (is_coded) exact_ = std::move(exact);
+}
+
 // Bilinear, in linear light, as hardware reads a page of colours.
-Vec3f PagePainter::read_page(Index t, Vec2f place) const {
-    const Image& page = out_.model.images[layout_.triangle_pages[t]];
+Vec3f PagePainter::read_page(std::span<const Image> pages, Index t, Vec2f place) const {
+    const Image& page = pages[layout_.triangle_pages[t]];
     // Single floats are too coarse for a place among thousands of texels.
     const std::array<double, 3> b =
         source_.scene.shell.frame(t).barycentric(vec_cast<double>(place));
@@ -338,6 +351,14 @@ Vec3f PagePainter::read_page(Index t, Vec2f place) const {
     const Vec3f top = at(x, y) * (1.0F - fx) + at(x + 1, y) * fx;
     const Vec3f bottom = at(x, y + 1) * (1.0F - fx) + at(x + 1, y + 1) * fx;
     return linear_to_value(top * (1.0F - fy) + bottom * fy);
+}
+
+bool PagePainter::is_lost_by_format(Index t, double bound, TriangleGauge& gauge) const {
+    if (exact_.empty()) return false;
+    gauge.look_at(t);
+    gauge.place_probes();
+    const auto read = [&](Vec2f place) { return read_page(exact_, t, place); };
+    return static_cast<double>(gauge.error(read)) <= bound;
 }
 
 // Colours are read from the pages. A normal map holds vectors in each triangle's own frame: its
@@ -363,7 +384,9 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
                 raw.measure(t, texels);
                 at_points[t].rms = gauge.error(texels);
             } else {
-                const auto read = [&](Vec2f place) { return read_page(t, place); };
+                const auto read = [&](Vec2f place) {
+                    return read_page(out_.model.images, t, place);
+                };
                 raw.measure(t, read);
                 at_points[t].rms = gauge.error(read);
             }
@@ -376,8 +399,11 @@ void PagePainter::measure(double bound, const std::function<CapCount(Index, Tria
     std::vector<CapCount> caps(num_triangles, nullptr);
     parallel_for(context_, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
         TriangleGauge gauge(source_.scene, source_.cloud, source_.map, source_.is_paper);
-        for (std::size_t t = begin; t < end; ++t)
-            if (static_cast<double>(errors[t]) > bound) caps[t] = cap(static_cast<Index>(t), gauge);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Index t = static_cast<Index>(i);
+            if (static_cast<double>(errors[t]) <= bound) continue;
+            caps[t] = is_lost_by_format(t, bound, gauge) ? &CappedCounts::by_format : cap(t, gauge);
+        }
     });
     for (const CapCount c : caps) {
         if (c) ++(report.capped.*c);

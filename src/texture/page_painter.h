@@ -41,6 +41,8 @@ class PagePainter {
     /// Makes texels that are coarser than the points fit them, and both sides of every border show
     /// the same. Colours only.
     void fit();
+    /// Lets each page be filled and coded; what it holds then is what is measured.
+    void finish(const std::function<void(Image&, std::span<const std::uint8_t>)>& finish_page);
     /// Pictures of the pages; after measure().
     void draw_debug_maps();
     /// Errors on the pages. `cap` tells why a triangle is above the bound, with a gauge to look at
@@ -70,7 +72,8 @@ class PagePainter {
     std::uint64_t copy(Index triangle, const PatchTexels& texels);
     void add_samples(TexelFit& fit) const;
     void add_border(Index triangle, std::size_t k, TexelFit& fit) const;
-    Vec3f read_page(Index triangle, Vec2f place) const;
+    Vec3f read_page(std::span<const Image> pages, Index triangle, Vec2f place) const;
+    bool is_lost_by_format(Index triangle, double bound, TriangleGauge& gauge) const;
     std::vector<TextureReport::Density> densities(std::span<const double> areas) const;
     std::vector<float> pool_small(std::span<const PointError> at_points) const;
     bool has_texel(Index page, int x, int y) const;
@@ -82,6 +85,7 @@ class PagePainter {
     std::vector<std::vector<TexelOwner>> owners_;
     std::vector<float> errors_;  // per triangle
     TexelFit::Values values_;    // of the texels, not rounded
+    std::vector<Image> exact_;   // pages before a format lost some of them; empty = none did
     BakedTexture out_;
 };
 

@@ -366,6 +366,7 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
     painter.paint();
     log(context, LogLevel::kDebug, "texture: fitting");
     if (!impl_->options.paper) painter.fit();
+    painter.finish(impl_->options.finish_page);
     log(context, LogLevel::kDebug, "texture: measuring pages");
     painter.measure(bound,
                     [&](Index t, TriangleGauge&) { return impl_->why_capped(t, plan, bound); });
@@ -387,8 +388,7 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
 
 GivenBake TextureBaker::bake_given(const GivenLayout& layout, const GivenLimits& limits,
                                    const Context& context) const {
-    GivenBake out =
-        paint_given(impl_->source(), layout, limits, impl_->options.debug_maps, context);
+    GivenBake out = paint_given(impl_->source(), layout, limits, impl_->options, context);
     impl_->describe(out.texture.report);
     return out;
 }

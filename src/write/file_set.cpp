@@ -1,6 +1,7 @@
 #include "write/file_set.h"
 
 #include "core/message.h"
+#include "write/encode_image.h"
 
 namespace pointbake {
 
@@ -27,10 +28,14 @@ std::filesystem::path sibling(const std::filesystem::path& main, std::string_vie
 }
 
 std::vector<std::filesystem::path> image_paths(const std::filesystem::path& main,
-                                               std::size_t num_images) {
+                                               const TexturedMesh& model,
+                                               std::span<const int> images) {
     std::vector<std::filesystem::path> paths;
-    for (std::size_t i = 0; i < num_images; ++i)
-        paths.push_back(sibling(main, num_images == 1 ? ".png" : fmt::format("_{}.png", i)));
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const Image& image = model.images[static_cast<std::size_t>(images[i])];
+        const std::string number = images.size() == 1 ? "" : fmt::format("_{}", i);
+        paths.push_back(sibling(main, fmt::format("{}{}", number, file_kind(image).extension)));
+    }
     return paths;
 }
 

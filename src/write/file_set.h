@@ -26,8 +26,10 @@ class FileSet {
 /// The path of a file beside `main`: its stem, then `suffix`.
 std::filesystem::path sibling(const std::filesystem::path& main, std::string_view suffix);
 
-/// Names of a model's images beside `main`: stem.png, or stem_0.png, stem_1.png, ...
+/// Names of those of a model's images that are in use, beside `main`: stem.png, or stem_0.png,
+/// stem_1.png, ...; .jpg and .webp of those that are such files.
 std::vector<std::filesystem::path> image_paths(const std::filesystem::path& main,
-                                               std::size_t num_images);
+                                               const TexturedMesh& model,
+                                               std::span<const int> images);
 
 }  // namespace pointbake

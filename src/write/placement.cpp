@@ -26,12 +26,34 @@ Vec3d rounded_center(const Box& box) {
             std::floor(c.z / step + 0.5) * step};
 }
 
-}  // namespace
-
-Placement32 place_as_floats(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
+Box box_of(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
     Box box;
     for (const Triangle& t : triangles)
         for (const Index v : t) box.extend(positions[v]);
+    return box;
+}
+
+void check_floats(std::span<const Vec3f> floats, std::span<const Vec3d> positions,
+                  std::span<const Triangle> triangles) {
+    for (const Triangle& t : triangles)
+        for (const Index v : t)
+            if (!is_finite(floats[v]))
+                fail(ErrorCode::kLimit,
+                     "vertex {} at ({}, {}, {}) does not fit a 32-bit float: scale the input down",
+                     v, positions[v].x, positions[v].y, positions[v].z);
+}
+
+double farthest_coordinate(const Box& box) {
+    double far = 0.0;
+    for (std::size_t k = 0; k < 3; ++k)
+        far = std::max({far, std::fabs(box.low[k]), std::fabs(box.high[k])});
+    return far;
+}
+
+}  // namespace
+
+Placement32 place_as_floats(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
+    const Box box = box_of(positions, triangles);
     double loss = 0.0;
     for (const Triangle& t : triangles)
         for (const Index v : t) loss = std::max(loss, squared_loss(positions[v], {}));
@@ -42,12 +64,28 @@ Placement32 place_as_floats(std::span<const Vec3d> positions, std::span<const Tr
     placement.positions.reserve(positions.size());
     for (const Vec3d& p : positions)
         placement.positions.push_back(vec_cast<float>(p - placement.translation));
-    for (const Triangle& t : triangles)
-        for (const Index v : t)
-            if (!is_finite(placement.positions[v]))
-                fail(ErrorCode::kLimit,
-                     "vertex {} at ({}, {}, {}) does not fit a 32-bit float: scale the input down",
-                     v, positions[v].x, positions[v].y, positions[v].z);
+    check_floats(placement.positions, positions, triangles);
+    return placement;
+}
+
+Placement32 place_on_grid(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
+    constexpr int kLargestExponent = 80;
+    constexpr double kMostSteps = 1 << 22;
+    const Box box = box_of(positions, triangles);
+    Placement32 placement;
+    // Rounding moves each coordinate by half a step.
+    placement.exponent = std::ilogb(2.0 / std::sqrt(3.0) * kMaxFloatLoss * box.diagonal());
+    if (std::abs(placement.exponent) > kLargestExponent)
+        fail(ErrorCode::kLimit, "--compress: an extent of {} is out of range: scale the input",
+             box.diagonal());
+    const double step = std::ldexp(1.0, placement.exponent);
+    if (farthest_coordinate(box) > kMostSteps * step) placement.translation = rounded_center(box);
+    for (const Vec3d& p : positions) {
+        Vec3d q = p - placement.translation;
+        for (std::size_t k = 0; k < 3; ++k) q[k] = std::floor(q[k] / step + 0.5) * step;
+        placement.positions.push_back(vec_cast<float>(q));
+    }
+    check_floats(placement.positions, positions, triangles);
     return placement;
 }
 

@@ -15,6 +15,7 @@ inline constexpr double kMaxFloatLoss = 1e-6;
 struct Placement32 {
     Vec3d translation;             ///< zero if the coordinates are their own floats
     std::vector<Vec3f> positions;  ///< position - translation, rounded, one per vertex
+    int exponent = 0;              ///< on a grid: positions are multiples of 2^exponent
     bool has_translation() const { return !(translation == Vec3d{}); }
 };
 
@@ -22,6 +23,10 @@ struct Placement32 {
 /// to a multiple of a power of two about as large as the box. Throws Error{kLimit} if a coordinate
 /// does not fit a float.
 Placement32 place_as_floats(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
+
+/// The same on a grid of a power of two, as coarse as kMaxFloatLoss allows; positions are at most
+/// 2^23 steps from 0. Throws Error{kLimit} for extents beyond 1e30 or below 1e-24.
+Placement32 place_on_grid(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
 
 /// Whether every coordinate is a float exactly.
 bool are_floats(std::span<const Vec3d> positions);

@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/color.h"
 #include "core/message.h"
+#include "write/draco_coding.h"
+#include "write/encode_image.h"
 #include "write/file_set.h"
 #include "write/frame.h"
 #include "write/gltf_buffer.h"
+#include "write/look.h"
 #include "write/placement.h"
-#include "write/png.h"
 #include "write/split.h"
 #include "write/tangents.h"
 
@@ -23,30 +26,9 @@ constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kLinear = 9729, kLinearMipmapLinear = 9987, kClampToEdge = 33071, kRepeat = 10497;
 constexpr std::size_t kMaxShortIndex = 65534;  // 65535 restarts primitives
+constexpr int kUnitExponent = -15;             // grid of compressed unit vectors
 constexpr std::uint64_t kMaxGlbBytes = ~std::uint32_t{0};
 constexpr std::uint64_t kGlbHeaderBytes = 12, kChunkHeaderBytes = 8;
-
-/// How a material is drawn, and so what its vertices need.
-struct Look {
-    bool is_lit = false;
-    bool has_color_image = false;
-    bool has_normal_image = false;
-    bool has_vertex_colors = false;
-    bool has_uvs() const { return has_color_image || has_normal_image; }
-};
-
-Look look_of(const Mesh& mesh, const Material& material, Shading shading) {
-    Look look;
-    look.has_color_image = !mesh.uvs.empty() && material.color_image >= 0;
-    look.has_normal_image = !mesh.uvs.empty() && material.normal_image >= 0;
-    // A viewer would multiply a texture by vertex colours.
-    look.has_vertex_colors = !look.has_color_image && !mesh.colors.empty();
-    const bool has_color = look.has_color_image || look.has_vertex_colors ||
-                           material.base_color != std::array<double, 3>{1.0, 1.0, 1.0};
-    // Unlit, a normal map would be ignored and a surface without colour be a white outline.
-    look.is_lit = shading == Shading::kLit || look.has_normal_image || !has_color;
-    return look;
-}
 
 /// The turn that makes an axis of the input point along +y. Never mirrored.
 Json rotation_to_y(UpAxis up) {
@@ -55,6 +37,24 @@ Json rotation_to_y(UpAxis up) {
     if (up == UpAxis::kZ) return {-half, 0.0, 0.0, half};
     if (up == UpAxis::kMinusY) return {1.0, 0.0, 0.0, 0.0};
     return {};
+}
+
+/// Indices of a part of so many vertices.
+Json index_accessor(std::size_t num_vertices) {
+    return {{"componentType", num_vertices <= kMaxShortIndex + 1 ? kUnsignedShort : kUnsignedInt},
+            {"type", "SCALAR"}};
+}
+
+/// The grid of compressed texture coordinates: a 256th of a texel of the largest usual pages, or
+/// what leaves room for 2^22 steps.
+int uv_exponent(const Mesh& mesh) {
+    constexpr int kFinest = -20, kRoom = 22;
+    double far = 0.0;
+    for (const auto& corners : mesh.uvs)
+        for (const Vec2f uv : corners)
+            far = std::max(
+                {far, static_cast<double>(std::fabs(uv.x)), static_cast<double>(std::fabs(uv.y))});
+    return far > 0.0 ? std::max(kFinest, std::ilogb(far) + 1 - kRoom) : kFinest;
 }
 
 /// Bytes of a URI that need no escape (RFC 3986, unreserved).
@@ -96,33 +96,55 @@ class GltfWriter {
     Json samplers(std::vector<std::size_t>& of_texture) const;
     Json primitive(const MeshPart& part, std::size_t material_index);
     Json position_accessor(const MeshPart& part) const;
+    /// A primitive on its way; the last two are for Draco.
+    struct Draft {
+        const MeshPart& part;
+        Json attributes;
+        std::vector<DracoAttribute> packed;
+        std::vector<Json> accessors;
+    };
+    template <class T, class Value>
+    void add_attribute(Draft& draft, const char* name, Json accessor, std::optional<int> exponent,
+                       Value value);
     std::size_t add_indices(const MeshPart& part);
+    void add_draco(Draft& draft, Json& primitive);
     void use_image(int image);
+    void use_extension(std::string_view name, bool is_required);
     Json document(const std::vector<Json>& images, std::string_view buffer_uri);
 
     void write_glb(AtomicFile& file);
     void write_separate(FileSet& files, AtomicFile& main);
     void report_image(std::size_t num_done) const;
 
+    const Image& image_of(std::size_t texture) const {
+        return model_.images[static_cast<std::size_t>(used_images_[texture])];
+    }
+    bool is_webp(std::size_t texture) const {
+        return file_kind(image_of(texture)).mime_type == "image/webp";
+    }
     Index vertex(Index corner) const { return triangles_[corner / 3][corner % 3]; }
 
     const TexturedMesh& model_;
     const std::filesystem::path& path_;
     Frame frame_;
+    Compression compress_;
     const Context& context_;
     bool is_glb_;
 
     std::vector<Material> materials_;
     std::vector<Look> looks_;  // one per material
     Placement32 placement_;
+    int uv_exponent_ = 0;
     std::vector<Triangle> triangles_;
     std::vector<Vec3f> normals_;  // empty if nothing is lit
     Tangents tangents_;           // empty if there is no normal map
     std::vector<MeshPart> parts_;
-    std::vector<int> used_images_;              // the image of each texture
-    std::vector<std::vector<std::byte>> pngs_;  // of a GLB
+    std::vector<int> used_images_;                     // the image of each texture
+    std::vector<std::vector<std::byte>> image_files_;  // of a GLB
+    std::vector<std::vector<std::byte>> draco_views_;
     GltfBuffer buffer_;
     Json primitives_ = Json::array();
+    Json extensions_used_ = Json::array(), extensions_required_ = Json::array();
 };
 
 GltfWriter::GltfWriter(const TexturedMesh& model, const std::filesystem::path& path,
@@ -130,13 +152,16 @@ GltfWriter::GltfWriter(const TexturedMesh& model, const std::filesystem::path& p
     : model_(model),
       path_(path),
       frame_(settled_frame(model.frame, options)),
+      compress_(options.compress),
       context_(context),
       is_glb_(path.extension().string().size() == 4),  // else .gltf
       materials_(model.materials),
-      buffer_(context) {
+      buffer_(context, options.compress == Compression::kMeshopt) {
     if (materials_.empty()) materials_.emplace_back();
     const Mesh& mesh = model.mesh;
-    placement_ = place_as_floats(mesh.positions, mesh.triangles);
+    placement_ = compress_ == Compression::kNone ? place_as_floats(mesh.positions, mesh.triangles)
+                                                 : place_on_grid(mesh.positions, mesh.triangles);
+    uv_exponent_ = uv_exponent(mesh);
     triangles_ = contract_equal(mesh.triangles, placement_.positions);
 
     std::vector<SplitOptions> splits;
@@ -153,6 +178,11 @@ GltfWriter::GltfWriter(const TexturedMesh& model, const std::filesystem::path& p
     parts_ = split_by_material(model, triangles_, splits, context);
     if (parts_.empty())
         fail(ErrorCode::kEmpty, "cannot write '{}': the mesh has no triangles", path.string());
+    if (compress_ == Compression::kMeshopt) {
+        for (MeshPart& part : parts_) reorder_in_place(part);
+        use_extension("EXT_meshopt_compression", true);
+    }
+    if (compress_ == Compression::kDraco) use_extension("KHR_draco_mesh_compression", true);
     for (const MeshPart& part : parts_) {
         const Look& look = looks_[part.material];
         if (look.has_color_image) use_image(materials_[part.material].color_image);
@@ -208,6 +238,12 @@ Json GltfWriter::nodes() const {
     return nodes;
 }
 
+void GltfWriter::use_extension(std::string_view name, bool is_required) {
+    for (Json* list : {&extensions_used_, is_required ? &extensions_required_ : nullptr})
+        if (list && std::find(list->begin(), list->end(), name) == list->end())
+            list->push_back(name);
+}
+
 Json GltfWriter::texture_info(int image) const {
     const auto at = std::find(used_images_.begin(), used_images_.end(), image);
     return {{"index", at - used_images_.begin()}};
@@ -232,7 +268,7 @@ Json GltfWriter::material(Index index) const {
 }
 
 Json GltfWriter::sampler_of(std::size_t texture) const {
-    const Image& image = model_.images[static_cast<std::size_t>(used_images_[texture])];
+    const Image& image = image_of(texture);
     const int wrap = image.repeats ? kRepeat : kClampToEdge;
     return {{"magFilter", kLinear},
             {"minFilter", image.has_mips ? kLinearMipmapLinear : kLinear},
@@ -268,55 +304,99 @@ Json GltfWriter::position_accessor(const MeshPart& part) const {
             {"max", {high.x, high.y, high.z}}};
 }
 
+template <class T, class Value>
+void GltfWriter::add_attribute(Draft& draft, const char* name, Json accessor,
+                               std::optional<int> exponent, Value value) {
+    const MeshPart& part = draft.part;
+    const std::size_t count = part.corners.size();
+    const auto at = [&part, value](std::size_t i) { return value(part.corners[i]); };
+    if (compress_ != Compression::kDraco) {
+        draft.attributes[name] =
+            buffer_.add_attribute<T>(std::move(accessor), kArrayBuffer, count, exponent, at);
+        return;
+    }
+    using Kind = DracoAttribute::Kind;
+    const Kind kind = !exponent                            ? Kind::kExact16
+                      : std::string_view(name) == "NORMAL" ? Kind::kUnit
+                                                           : Kind::kGrid;
+    constexpr std::size_t component_bytes = std::is_same_v<T, Color4> ? 2 : sizeof(float);
+    draft.packed.push_back({name, kind, sizeof(T) / component_bytes, {}, exponent.value_or(0)});
+    for (std::size_t i = 0; i < count; ++i) {
+        const T element = at(i);
+        const auto bytes = std::as_bytes(std::span<const T>(&element, 1));
+        draft.packed.back().elements.insert(draft.packed.back().elements.end(), bytes.begin(),
+                                            bytes.end());
+    }
+    draft.accessors.push_back(std::move(accessor));
+}
+
 std::size_t GltfWriter::add_indices(const MeshPart& part) {
-    const auto add = [&]<class T>(T, int component) {
-        Json accessor = {{"componentType", component}, {"type", "SCALAR"}};
-        return buffer_.add_accessor<T>(
-            std::move(accessor), kElementArrayBuffer, part.indices.size(),
-            [&part](std::size_t i) { return static_cast<T>(part.indices[i]); });
-    };
-    return part.corners.size() <= kMaxShortIndex + 1 ? add(std::uint16_t{}, kUnsignedShort)
-                                                     : add(std::uint32_t{}, kUnsignedInt);
+    return part.corners.size() <= kMaxShortIndex + 1
+               ? buffer_.add_indices<std::uint16_t>(index_accessor(part.corners.size()),
+                                                    kElementArrayBuffer, part.indices)
+               : buffer_.add_indices<std::uint32_t>(index_accessor(part.corners.size()),
+                                                    kElementArrayBuffer, part.indices);
+}
+
+/// Attributes and indices in one view; the accessors only describe what a decoder finds.
+void GltfWriter::add_draco(Draft& draft, Json& primitive) {
+    DracoMesh packed = draco_mesh(draft.part.indices, draft.packed, draft.part.corners.size());
+    check_cancelled(context_);
+    Json ids = Json::object();
+    for (std::size_t i = 0; i < draft.packed.size(); ++i) {
+        const std::string& name = draft.packed[i].name;
+        ids[name] = packed.ids[i];
+        draft.attributes[name] =
+            buffer_.add_empty_accessor(std::move(draft.accessors[i]), packed.num_vertices);
+    }
+    draco_views_.push_back(std::move(packed.bytes));
+    primitive["attributes"] = std::move(draft.attributes);
+    primitive["indices"] =
+        buffer_.add_empty_accessor(index_accessor(packed.num_vertices), 3 * packed.num_triangles);
+    primitive["extensions"]["KHR_draco_mesh_compression"] = {
+        {"bufferView", buffer_.add_bytes(draco_views_.back())}, {"attributes", std::move(ids)}};
 }
 
 Json GltfWriter::primitive(const MeshPart& part, std::size_t material_index) {
     const Look& look = looks_[part.material];
-    const std::size_t count = part.corners.size();
-    Json attributes = Json::object();
-    const auto add = [&]<class T>(const char* name, T, Json accessor, auto value) {
-        attributes[name] = buffer_.add_accessor<T>(
-            std::move(accessor), kArrayBuffer, count,
-            [&part, value](std::size_t i) { return value(part.corners[i]); });
-    };
+    Draft draft{part, Json::object(), {}, {}};
     const auto floats = [](const char* type) {
         return Json{{"componentType", kFloat}, {"type", type}};
     };
-    add("POSITION", Vec3f{}, position_accessor(part),
-        [this](Index corner) { return placement_.positions[vertex(corner)]; });
+    add_attribute<Vec3f>(draft, "POSITION", position_accessor(part), placement_.exponent,
+                         [this](Index corner) { return placement_.positions[vertex(corner)]; });
     if (look.is_lit)
-        add("NORMAL", Vec3f{}, floats("VEC3"),
-            [this](Index corner) { return normals_[vertex(corner)]; });
+        add_attribute<Vec3f>(draft, "NORMAL", floats("VEC3"), kUnitExponent,
+                             [this](Index corner) { return normals_[vertex(corner)]; });
     if (look.has_normal_image)
-        add("TANGENT", Tangent4{}, floats("VEC4"), [this](Index corner) {
-            const Vec3f t =
-                unit_tangent(tangents_.directions[corner / 3], normals_[vertex(corner)]);
-            return Tangent4{t.x, t.y, t.z, tangents_.signs[corner / 3] < 0 ? -1.0F : 1.0F};
-        });
+        add_attribute<Tangent4>(
+            draft, "TANGENT", floats("VEC4"), kUnitExponent, [this](Index corner) {
+                const Vec3f t =
+                    unit_tangent(tangents_.directions[corner / 3], normals_[vertex(corner)]);
+                return Tangent4{t.x, t.y, t.z, tangents_.signs[corner / 3] < 0 ? -1.0F : 1.0F};
+            });
     if (look.has_uvs())
-        add("TEXCOORD_0", Vec2f{}, floats("VEC2"),
+        add_attribute<Vec2f>(
+            draft, "TEXCOORD_0", floats("VEC2"), uv_exponent_,
             [this](Index corner) { return model_.mesh.uvs[corner / 3][corner % 3]; });
     if (look.has_vertex_colors)
-        add("COLOR_0", Color4{},
+        add_attribute<Color4>(
+            draft, "COLOR_0",
             Json{{"componentType", kUnsignedShort}, {"normalized", true}, {"type", "VEC4"}},
-            [this](Index corner) {
+            std::nullopt, [this](Index corner) {
                 const Vec3f c = to_linear(model_.mesh.colors[vertex(corner)]);
                 const auto coded = [](float v) {
                     return static_cast<std::uint16_t>(v * 65535.0F + 0.5F);
                 };
                 return Color4{coded(c.x), coded(c.y), coded(c.z), 65535};
             });
-    Json json = {{"attributes", std::move(attributes)}};
-    json["indices"] = add_indices(part);
+    Json json = Json::object();
+    if (compress_ == Compression::kDraco) {
+        add_draco(draft, json);
+    } else {
+        json["attributes"] = std::move(draft.attributes);
+        json["indices"] = add_indices(part);
+    }
     json["material"] = material_index;
     return json;
 }
@@ -324,18 +404,22 @@ Json GltfWriter::primitive(const MeshPart& part, std::size_t material_index) {
 /// Everything but the binary buffer. An entry of `images` says where each texture's image is.
 Json GltfWriter::document(const std::vector<Json>& images, std::string_view buffer_uri) {
     Json materials = Json::array(), textures = Json::array();
-    bool has_unlit = false;
     for (const MeshPart& part : parts_) {
         materials.push_back(material(part.material));
-        has_unlit = has_unlit || !looks_[part.material].is_lit;
+        if (!looks_[part.material].is_lit) use_extension("KHR_materials_unlit", false);
     }
     std::vector<std::size_t> of_texture;
     Json samplers = this->samplers(of_texture);
-    for (std::size_t i = 0; i < images.size(); ++i)
-        textures.push_back({{"sampler", of_texture[i]}, {"source", i}});
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        Json texture = {{"sampler", of_texture[i]}};
+        (is_webp(i) ? texture["extensions"]["EXT_texture_webp"] : texture)["source"] = i;
+        if (is_webp(i)) use_extension("EXT_texture_webp", true);
+        textures.push_back(std::move(texture));
+    }
 
     Json json = {{"asset", {{"version", "2.0"}, {"generator", "pointbake " POINTBAKE_VERSION}}}};
-    if (has_unlit) json["extensionsUsed"] = Json::array({"KHR_materials_unlit"});
+    if (!extensions_used_.empty()) json["extensionsUsed"] = extensions_used_;
+    if (!extensions_required_.empty()) json["extensionsRequired"] = extensions_required_;
     json["scene"] = 0;
     json["scenes"] = Json::array({Json{{"nodes", Json::array({0})}}});
     json["nodes"] = nodes();
@@ -351,6 +435,10 @@ Json GltfWriter::document(const std::vector<Json>& images, std::string_view buff
     Json buffer = {{"byteLength", buffer_.num_bytes()}};
     if (!buffer_uri.empty()) buffer["uri"] = buffer_uri;
     json["buffers"] = Json::array({std::move(buffer)});
+    if (compress_ == Compression::kMeshopt)
+        json["buffers"].push_back(
+            {{"byteLength", buffer_.num_unpacked_bytes()},
+             {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
     return json;
 }
 
@@ -361,10 +449,10 @@ void GltfWriter::report_image(std::size_t num_done) const {
 
 void GltfWriter::write_glb(AtomicFile& file) {
     std::vector<Json> images;
-    for (const int image : used_images_) {
-        pngs_.push_back(encode_png(model_.images[static_cast<std::size_t>(image)], context_));
-        images.push_back(
-            {{"bufferView", buffer_.add_bytes(pngs_.back())}, {"mimeType", "image/png"}});
+    for (std::size_t i = 0; i < used_images_.size(); ++i) {
+        image_files_.push_back(image_file(image_of(i), context_));
+        images.push_back({{"bufferView", buffer_.add_bytes(image_files_.back())},
+                          {"mimeType", file_kind(image_of(i)).mime_type}});
         report_image(images.size());
     }
     const std::string json = to_text(document(images, {}));
@@ -391,10 +479,9 @@ void GltfWriter::write_separate(FileSet& files, AtomicFile& main) {
     const std::filesystem::path binary = sibling(path_, ".bin");
     buffer_.write(files.add(binary));
     std::vector<Json> images;
-    for (const std::filesystem::path& png : image_paths(path_, used_images_.size())) {
-        const auto image = static_cast<std::size_t>(used_images_[images.size()]);
-        files.add(png).write(encode_png(model_.images[image], context_));
-        images.push_back({{"uri", uri_of(png)}});
+    for (const std::filesystem::path& path : image_paths(path_, model_, used_images_)) {
+        files.add(path).write(image_file(image_of(images.size()), context_));
+        images.push_back({{"uri", uri_of(path)}});
         report_image(images.size());
     }
     main.write(to_text(document(images, uri_of(binary))));

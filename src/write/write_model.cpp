@@ -1,6 +1,8 @@
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/message.h"
 #include "pointbake/write.h"
@@ -8,6 +10,8 @@
 #include "write/write_gltf.h"
 #include "write/write_obj.h"
 #include "write/write_ply.h"
+#include "write/write_stl.h"
+#include "write/write_usdz.h"
 
 namespace pointbake {
 namespace {
@@ -20,28 +24,49 @@ std::string lower_extension(const std::filesystem::path& path) {
     return extension;
 }
 
+using Writer = WriteReport (*)(const TexturedMesh&, const std::filesystem::path&,
+                               const WriteOptions&, const Context&);
+struct Format {
+    std::string_view extension;
+    Writer write;
+    bool has_transform = false, has_compression = false;
+};
+constexpr std::array<Format, 6> kFormats = {{{".glb", write_gltf, true, true},
+                                             {".gltf", write_gltf, true, true},
+                                             {".obj", write_obj},
+                                             {".ply", write_ply},
+                                             {".stl", write_stl},
+                                             {".usdz", write_usdz, true}}};
+
+const Format& format_of(const std::filesystem::path& path) {
+    const std::string extension = lower_extension(path);
+    std::vector<std::string_view> known;
+    for (const Format& format : kFormats) {
+        if (format.extension == extension) return format;
+        known.push_back(format.extension);
+    }
+    fail(ErrorCode::kUnsupported, "cannot write '{}': its extension is not known: use one of {}",
+         path.string(), fmt::join(known, ", "));
+}
+
 }  // namespace
 
 WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
                         const WriteOptions& options, const Context& context) {
     if (options.scale && !(std::isfinite(*options.scale) && *options.scale > 0.0))
         fail(ErrorCode::kInvalidOption, "--scale {} is not a positive number", *options.scale);
-    const std::string extension = lower_extension(path);
-    const bool is_gltf = extension == ".glb" || extension == ".gltf";
-    if (!is_gltf && extension != ".obj" && extension != ".ply")
-        fail(ErrorCode::kUnsupported,
-             "cannot write '{}': its extension is not known: use .glb, .gltf, .obj or .ply",
-             path.string());
+    const Format& format = format_of(path);
     check_model(model);
     report_progress(context, "write", 0.0);
     const bool turns = options.up != UpAxis::kAuto && options.up != UpAxis::kY;
-    if (!is_gltf && (options.scale.value_or(1.0) != 1.0 || turns))
+    if (!format.has_transform && (options.scale.value_or(1.0) != 1.0 || turns))
         log(context, LogLevel::kWarning,
             "--up and --scale are node transforms: {} has none and keeps the input's coordinates",
-            extension);
-    const WriteReport report = is_gltf               ? write_gltf(model, path, options, context)
-                               : extension == ".obj" ? write_obj(model, path, options, context)
-                                                     : write_ply(model, path, options, context);
+            format.extension);
+    if (!format.has_compression && options.compress != Compression::kNone)
+        log(context, LogLevel::kWarning, "--compress is of GLB and glTF: {} stays as it is",
+            format.extension);
+    const WriteReport report = format.write(model, path, options, context);
     report_progress(context, "write", 1.0);
     return report;
 }

@@ -11,9 +11,9 @@
 #include "core/color.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "write/encode_image.h"
 #include "write/file_set.h"
 #include "write/frame.h"
-#include "write/png.h"
 #include "write/split.h"
 
 namespace pointbake {
@@ -154,7 +154,7 @@ void ObjWriter::write_materials(FileSet& files, const std::filesystem::path& mtl
         use(materials_[part.material].color_image);
         use(materials_[part.material].normal_image);
     }
-    const std::vector<std::filesystem::path> paths = image_paths(path_, images.size());
+    const std::vector<std::filesystem::path> paths = image_paths(path_, model_, images);
     const auto name_of = [&](int image) {
         const auto at = std::find(images.begin(), images.end(), image) - images.begin();
         return paths[static_cast<std::size_t>(at)].filename().string();
@@ -175,7 +175,7 @@ void ObjWriter::write_materials(FileSet& files, const std::filesystem::path& mtl
     out.flush();
     for (std::size_t i = 0; i < images.size(); ++i) {
         const Image& image = model_.images[static_cast<std::size_t>(images[i])];
-        files.add(paths[i]).write(encode_png(image, context_));
+        files.add(paths[i]).write(image_file(image, context_));
         report_progress(context_, "write",
                         static_cast<double>(i + 1) / static_cast<double>(images.size() + 1));
     }

@@ -7,11 +7,11 @@
 
 #include "core/message.h"
 #include "core/parallel.h"
+#include "write/encode_image.h"
 #include "write/file_set.h"
 #include "write/frame.h"
 #include "write/placement.h"
 #include "write/ply_output.h"
-#include "write/png.h"
 #include "write/split.h"
 
 namespace pointbake {
@@ -53,7 +53,7 @@ class PlyMeshWriter {
           frame_(settled_frame(model.frame, options)),
           context_(context),
           pages_(used_pages(model)),
-          paths_(image_paths(path, pages_.images.size())),
+          paths_(image_paths(path, model, pages_.images)),
           as_double_(!are_floats(mesh_.positions)),
           as_16bit_(!are_8bit(mesh_.colors)) {}
 
@@ -130,7 +130,7 @@ WriteReport PlyMeshWriter::run() {
     write_faces(main);
     for (std::size_t i = 0; i < paths_.size(); ++i) {
         const Image& image = model_.images[static_cast<std::size_t>(pages_.images[i])];
-        files.add(paths_[i]).write(encode_png(image, context_));
+        files.add(paths_[i]).write(image_file(image, context_));
         report_progress(context_, "write",
                         static_cast<double>(i + 1) / static_cast<double>(paths_.size() + 1));
     }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -487,15 +488,13 @@ std::string quoted(const std::string& text) {
 
 GlbContents check_glb(const fs::path& path) { return GlbChecker(path).run(); }
 
-ValidatorResult run_gltf_validator(const fs::path& script_folder,
-                                   const std::vector<fs::path>& files) {
-    std::string command =
-        fmt::format("node {}", quoted((script_folder / "validate_gltf.mjs").string()));
+ValidatorResult run_checker(const std::string& checker, const std::vector<fs::path>& files) {
+    std::string command = checker;
     for (const fs::path& file : files) command += fmt::format(" {}", quoted(file.string()));
     ValidatorResult result;
     std::FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
     if (pipe == nullptr) {
-        result.output = "no shell to start node with";
+        result.output = "no shell to start it with";
         return result;
     }
     std::array<char, 4096> chunk;
@@ -503,10 +502,23 @@ ValidatorResult run_gltf_validator(const fs::path& script_folder,
         result.output.append(chunk.data(), n);
     const int status = ::pclose(pipe);
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    // 127: the shell found no node. 3: the package is missing.
+    // 127: the shell found no such program. 3: the package is missing.
     result.is_available = code != 127 && code != 3;
     result.is_clean = code == 0;
     return result;
+}
+
+ValidatorResult run_gltf_validator(const fs::path& script_folder,
+                                   const std::vector<fs::path>& files) {
+    return run_checker("node " + quoted((script_folder / "validate_gltf.mjs").string()), files);
+}
+
+ValidatorResult run_reader(const fs::path& script_folder, const std::string& reader,
+                           const std::vector<fs::path>& files) {
+    const char* const python = std::getenv("POINTBAKE_PYTHON");
+    return run_checker(fmt::format("{} {} {}", quoted(python ? python : "python3"),
+                                   quoted((script_folder / "check_models.py").string()), reader),
+                       files);
 }
 
 }  // namespace pointbake

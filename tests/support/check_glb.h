@@ -42,9 +42,9 @@ struct GlbContents {
 /// nothing is left unused. Never throws for a bad file: problems says what is wrong.
 GlbContents check_glb(const std::filesystem::path& path);
 
-/// What the Khronos validator says of some files.
+/// What an independent program says of some files.
 struct ValidatorResult {
-    bool is_available = false;  ///< Node and the package gltf-validator are there
+    bool is_available = false;  ///< it and what it needs are there
     bool is_clean = false;      ///< no error, no warning
     std::string output;         ///< its summary, or why it cannot run
 };
@@ -52,5 +52,10 @@ struct ValidatorResult {
 /// Runs validate_gltf.mjs of `script_folder` on the files.
 ValidatorResult run_gltf_validator(const std::filesystem::path& script_folder,
                                    const std::vector<std::filesystem::path>& files);
+
+/// Runs check_models.py of `script_folder`, which reads the files with "usd", "open3d" or
+/// "trimesh". POINTBAKE_PYTHON names the Python that has them; else it is python3.
+ValidatorResult run_reader(const std::filesystem::path& script_folder, const std::string& reader,
+                           const std::vector<std::filesystem::path>& files);
 
 }  // namespace pointbake
