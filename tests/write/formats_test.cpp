@@ -40,7 +40,7 @@ double largest_error(const Image& image, const ImageOptions& options) {
     const Image read = decode_image(encode_lossy(image, options), "test");
     double worst = 0.0;
     for (std::size_t i = 0; i < image.pixels.size(); ++i)
-        worst = std::max(worst, std::fabs(double{image.pixels[i]} - double{read.pixels[i]}));
+        worst = std::max(worst, std::fabs(static_cast<double>(image.pixels[i] - read.pixels[i])));
     return worst;
 }
 
