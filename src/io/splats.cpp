@@ -9,7 +9,6 @@
 #include "core/message.h"
 #include "core/parallel.h"
 #include "io/finish_cloud.h"
-#include "io/split_splats.h"
 
 namespace pointbake {
 namespace {
@@ -167,9 +166,6 @@ void make_surfels(PointRows& points, const SplatShapes& shapes, const Context& c
             drop_row(cloud, i, DropReason::kNoSurfel);
     points.notes.emplace_back("Gaussian splats taken as surfels: a proxy of their surface");
     note_fates(fates, points.notes);
-    if (const std::uint64_t added = split_large_splats(cloud, context); added > 0)
-        points.notes.push_back(fmt::format("{} added to the {} of the file within large splats",
-                                           counted(added, "row"), n));
 }
 
 bool take_shapes(PointCloud& cloud, SplatShapes& shapes, const Context& context) {

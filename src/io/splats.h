@@ -20,8 +20,7 @@ struct SplatShapes {
 
 /// Gives the points normals of unknown sign, axes, areas and weights. Splats that are faint, very
 /// large or needles are dropped and counted in a note; normals of those that are not flat are left
-/// unknown. Rows are added where splats are large (split_splats.h), with a note. They have y down,
-/// as the 2023 code has.
+/// unknown. They have y down, as the 2023 code has.
 void make_surfels(PointRows& points, const SplatShapes& shapes, const Context& context);
 
 /// Takes the shapes out of the channels scale_0 ..., rot_0 ..., opacity as the 2023 code writes

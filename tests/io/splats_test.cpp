@@ -257,51 +257,6 @@ TEST(Splats, ColorsWithoutShapesArePoints) {
     EXPECT_EQ(result.cloud.frame.up, UpAxis::kAuto);
 }
 
-/// Small round ones in a row, then large ones.
-std::vector<Splat> row_of_splats(std::size_t num_small, const std::vector<Vec3d>& large) {
-    std::vector<Splat> all;
-    for (std::size_t i = 0; i < num_small; ++i)
-        all.push_back({{static_cast<double>(i), 0, 0}, {0.1, 0.1, 0.01}});
-    for (const Vec3d& sigmas : large)
-        all.push_back({{static_cast<double>(all.size()), 0, 0}, sigmas});
-    return all;
-}
-
-TEST(Splats, LargeOnesAreSeveralPoints) {
-    const LoadResult result = load_as("a.ply", splat_ply(row_of_splats(6, {{0.45, 0.1, 0.01}})));
-    EXPECT_EQ(result.report.num_rows, 11U);
-    EXPECT_TRUE(has_note(result, "4 rows added to the 7 of the file within large splats"));
-    const PointCloud& cloud = result.cloud;
-    const std::size_t center = point_of_row(cloud, 6);
-    EXPECT_EQ(cloud.positions[center], (Vec3d{6, 0, 0}));
-    EXPECT_NEAR(cloud.weights[center], 0.9, 1e-6);
-    std::uint64_t row = 7;
-    for (const double offset : {-0.4, -0.2, 0.2, 0.4}) {
-        const std::size_t part = point_of_row(cloud, row++);
-        EXPECT_NEAR(length(cloud.positions[part] - Vec3d{6 + offset, 0, 0}), 0.0, 1e-6);
-        EXPECT_NEAR(cloud.weights[part], 0.9 * std::exp(-0.5 * offset * offset / (0.45 * 0.45)),
-                    1e-6);
-        EXPECT_NEAR(length(cloud.axes[part].u), 0.1, 1e-6) << "half a step of 0.2";
-        EXPECT_NEAR(length(cloud.axes[part].v), 0.1, 1e-6);
-        EXPECT_EQ(cloud.axes[part].u, cloud.axes[center].u);
-        EXPECT_EQ(cloud.normals[part], cloud.normals[center]);
-        EXPECT_EQ(cloud.colors[part], cloud.colors[center]);
-        EXPECT_NEAR(cloud.areas[part] / cloud.areas[center],
-                    cloud.weights[part] / cloud.weights[center], 1e-5);
-    }
-}
-
-TEST(Splats, SplittingAddsAtMostTwiceThePoints) {
-    const std::vector<Vec3d> large(4, {0.49, 0.49, 0.01});
-    const LoadResult result = load_as("a.ply", splat_ply(row_of_splats(5, large)));
-    EXPECT_GT(result.report.num_rows, 9U);
-    EXPECT_LE(result.report.num_rows, 9U + 2 * 9U);
-}
-
-TEST(Splats, OnesOfTheSameSizeStayOnePointEach) {
-    EXPECT_EQ(load_as("a.ply", splat_ply(row_of_splats(7, {}))).report.num_rows, 7U);
-}
-
 TEST(Splats, BrokenOnesAreDropped) {
     std::vector<Splat> all = splats();
     all[0].rotation = {0, 0, 0, 0};
