@@ -74,7 +74,6 @@ void run_options(std::span<const std::byte> bytes) {
         if (names_config(words)) return;
         cli::parse_line(words, options.table);
     }
-    options.table.apply_scale(1.0);
     if (!options.load.columns.empty()) parse_columns(options.load.columns);
     options.table.dump(false);
 }

@@ -117,7 +117,7 @@ TEST_F(Cleaning, SpacingsInMetresFollowTheScale) {
 TEST_F(Cleaning, NothingLeftIsExitSixAndNamesTheOption) {
     const ProgramRun done = run({"--crop", "10,10,10,11,11,11"});
     EXPECT_EQ(done.exit_code, 6);
-    EXPECT_THAT(done.err, AllOf(HasSubstr("pointbake: error: --crop 10,10,10,11,11,11"),
+    EXPECT_THAT(done.err, AllOf(HasSubstr("pointbake: error: in.ply: --crop 10,10,10,11,11,11"),
                                 HasSubstr("20022 points")));
     EXPECT_THAT(folder_.files(), ElementsAre("in.ply"));
 }
@@ -147,7 +147,7 @@ TEST_F(Cleaning, OptionsHaveAGroupAndCanBeDumped) {
         run_program(folder_, {"--dump-options", "--crop", "0,0,0,1,2,3.5", "--subsample", "2mm"});
     const Json options = Json::parse(dump.out);
     EXPECT_EQ(options["crop"], "0,0,0,1,2,3.5");
-    EXPECT_EQ(options["subsample"], "2mm");
+    EXPECT_EQ(options["subsample"], "0.002m");
     EXPECT_EQ(options["outliers"], "drop");
     folder_.write("options.json", dump.out);
     EXPECT_EQ(run_program(folder_, {"--dump-options", "--config", "options.json"}).out, dump.out);

@@ -41,7 +41,7 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{"in.ply", "o.glb", "--mesh", "in.ply", "--keep-mesh", "--triangles", "5"}, "--triangles"},
         {{"in.ply", "--surface", "closed"}, "watertight"},
         {{"in.ply", "--surface", "open", "--method", "tight-cocone"}, "implicit makes both"},
-        {{"in.ply", "out.stl"}, ".glb"},
+        {{"in.ply", "out.fbx"}, ".glb"},
         {{"in.ply", "in.ply"}, "is an input"},
         {{"in.ply", "-o", "in.ply"}, "is an input"},
         {{"in.ply", "-o", "./in.ply"}, "is an input"},
@@ -146,7 +146,7 @@ TEST(Usage, DoesNotTakeASecondCloudForTheOutput) {
 TEST(Usage, MemoryLimitIsCheckedBeforeTheWork) {
     const TemporaryFolder folder;
     folder.write("in.ply", ascii_ply(egg_points(1000)));
-    const ProgramRun run = run_program(folder, {"in.ply", "--max-memory", "100M"});
+    const ProgramRun run = run_program(folder, {"in.ply", "--max-memory", "50M"});
     EXPECT_EQ(run.exit_code, 5);
     EXPECT_THAT(run.err, HasSubstr("--max-memory"));
     EXPECT_THAT(folder.files(), testing::ElementsAre("in.ply"));

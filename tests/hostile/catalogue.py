@@ -271,7 +271,7 @@ def obj():
         return bad(name, textured, says, code, is_mesh=True, beside={**material, "t.png": image})
 
     yield ok("texture_sound.obj", textured, None, is_mesh=True, beside={**material, "t.png": f.png()})
-    yield with_texture("texture_empty.obj", b"", "neither PNG nor JPEG, which are the images that are read")
+    yield with_texture("texture_empty.obj", b"", "neither PNG nor JPEG nor WebP, which are the images that are read")
     yield with_texture("texture_cut.obj", f.png()[:50], "damaged PNG")
     yield with_texture("texture_without_pixels.obj", f.png(pixels=b""), "damaged PNG")
     yield with_texture("texture_of_2_31_columns.obj", f.png(2**31 - 1, 1), "damaged PNG")
@@ -279,7 +279,7 @@ def obj():
     yield with_texture("texture_of_no_size.obj", f.png(0, 0), "damaged PNG")
     yield with_texture("texture_bomb.obj", f.PNG_BOMB, "texels from", 5)
     yield with_texture("texture_jpeg_bomb.obj", f.JPEG[:163] + struct.pack(">HH", 16000, 16000) + f.JPEG[167:], "texels from", 5)
-    yield with_texture("texture_of_another_kind.obj", b"GIF89a" + bytes(50), "neither PNG nor JPEG, which are the images that are read")
+    yield with_texture("texture_of_another_kind.obj", b"GIF89a" + bytes(50), "neither PNG nor JPEG nor WebP, which are the images that are read")
     yield with_texture("texture_jpeg_cut.obj", b"\xff\xd8\xff\xe0\x00\x10JFIF\0\1\1\0\0\1\0\1\0\0", "damaged JPEG")
 
 
