@@ -59,8 +59,13 @@ void set_grid(draco::ExpertEncoder& encoder, int id, const DracoAttribute& attri
     if (bits > kMostBits)
         fail(ErrorCode::kLimit, "--compress draco: {} spans more than 2^{} steps", attribute.name,
              kMostBits);
-    const auto range = static_cast<float>(step * (std::ldexp(1.0, bits) - 1.0));
-    encoder.SetAttributeExplicitQuantization(id, bits, static_cast<int>(n), low.data(), range);
+    // SetAttributeExplicitQuantization() would round its numbers to six decimals.
+    draco::Options grid;
+    grid.SetInt("quantization_bits", bits);
+    grid.SetString("quantization_origin", fmt::format("{}", fmt::join(low, " ")));
+    grid.SetString("quantization_range",
+                   fmt::format("{}", static_cast<float>(step * (std::ldexp(1.0, bits) - 1.0))));
+    encoder.options().SetAttributeOptions(id, grid);
 }
 
 }  // namespace

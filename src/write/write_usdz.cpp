@@ -235,7 +235,10 @@ void UsdzWriter::add_material(std::size_t number) {
     add("            token outputs:surface.connect = <{}/surface.outputs:surface>\n", path);
     add("            def Shader \"surface\"\n            {{\n"
         "                uniform token info:id = \"UsdPreviewSurface\"\n");
-    if (!look.is_lit) add("                color3f inputs:diffuseColor = (0, 0, 0)\n");
+    // Without a change of refraction nothing is mirrored, either.
+    if (!look.is_lit)
+        add("                color3f inputs:diffuseColor = (0, 0, 0)\n"
+            "                float inputs:ior = 1\n");
     if (look.has_color_image)
         add("                color3f inputs:{}.connect = <{}/color.outputs:rgb>\n", light, path);
     else if (look.has_vertex_colors)
