@@ -1,9 +1,10 @@
 # make demo   install what is missing, build, convert the model that the program makes itself
 # make test   install what is missing, build, run every test, and those that depend on the method without CGAL
 # make browser-test   the same for what a browser shows of the textures (10 models, half an hour); not part of make test
+# make oracle-test   all test files against the readers of other projects, from PyPI (three minutes); not part of make test
 # make quick-bench   two public cases of the quality bench, without baseline
 
-.PHONY: all demo test browser-test setup build quick-bench format lint clean
+.PHONY: all demo test browser-test oracle-test setup build quick-bench format lint clean
 
 all: build
 
@@ -31,6 +32,10 @@ browser-test: build
 	@tools/setup.sh browser
 	@node tests/browser/browser_test.mjs --pointbake build/release/pointbake --out build/browser-test \
 	    --pictures build/browser-test/pictures $(BROWSER_TEST)
+
+oracle-test: build
+	@tools/setup.sh oracle
+	@build/oracle/bin/python tests/independent/readers_test.py build/release/pointbake $${POINTBAKE_DATA:-../shared/data}
 
 quick-bench: build
 	@tools/quick_bench.sh
