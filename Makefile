@@ -2,9 +2,10 @@
 # make test   install what is missing, build, run every test, and those that depend on the method without CGAL
 # make fuzz   a million executions of each fuzz target (hours); not part of make test
 # make browser-test   the same for what a browser shows of the textures (10 models, half an hour); not part of make test
+# make oracle-test   all test files against the readers of other projects, from PyPI (three minutes); not part of make test
 # make quick-bench   two public cases of the quality bench, without baseline
 
-.PHONY: all demo test fuzz browser-test setup build quick-bench format lint clean
+.PHONY: all demo test fuzz browser-test oracle-test setup build quick-bench format lint clean
 
 all: build
 
@@ -43,6 +44,10 @@ browser-test: build
 	@tools/setup.sh browser
 	@node tests/browser/browser_test.mjs --pointbake build/release/pointbake --out build/browser-test \
 	    --pictures build/browser-test/pictures $(BROWSER_TEST)
+
+oracle-test: build
+	@tools/setup.sh oracle
+	@build/oracle/bin/python tests/independent/readers_test.py build/release/pointbake $${POINTBAKE_DATA:-../shared/data}
 
 quick-bench: build
 	@tools/quick_bench.sh

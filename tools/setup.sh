@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing on Debian 12 to build (setup.sh build), to build and test (setup.sh test), to fuzz (setup.sh fuzz), or to build and look
-# at the results in a browser (setup.sh browser).
+# Installs what is missing on Debian 12 to build (setup.sh build), to build and test (setup.sh test), to fuzz (setup.sh fuzz), to build and look
+# at the results in a browser (setup.sh browser), or to hold the readers against others (setup.sh oracle).
 set -eu
 cd "$(dirname "$0")/.."
 mkdir -p build
@@ -9,6 +9,7 @@ packages="g++ cmake ninja-build ccache pkg-config libcgal-dev libtbb-dev libeige
           libdeflate-dev libspng-dev libpugixml-dev libproj-dev zlib1g-dev libzstd-dev libturbojpeg0-dev libjpeg62-turbo-dev libwebp-dev libmeshoptimizer-dev libdraco-dev libfmt-dev libcli11-dev nlohmann-json3-dev"
 [ "${1:-build}" = test ] && packages="$packages libgtest-dev libgmock-dev python3"
 [ "${1:-build}" = fuzz ] && packages="$packages libgtest-dev libgmock-dev python3 clang-19 libclang-rt-19-dev"
+[ "${1:-build}" = oracle ] && packages="$packages python3-venv libusb-1.0-0 libgl1 libgomp1 libegl1"  # for open3d
 if [ "${1:-build}" = browser ]; then  # other sources of these will do
     command -v chromium >/dev/null 2>&1 || packages="$packages chromium"
     command -v node >/dev/null 2>&1 || packages="$packages nodejs"
@@ -55,4 +56,15 @@ if [ "${1:-build}" = browser ] &&
         echo "setup: installing failed; the whole log is in build/npm.log" >&2
         exit 1
     fi
+fi
+
+if [ "${1:-build}" = oracle ] && [ ! -e build/oracle/complete ]; then
+    echo "setup: installing the readers of other projects into build/oracle"
+    if ! { python3 -m venv build/oracle && build/oracle/bin/pip install --quiet numpy 'laspy[lazrs]' pye57 plyfile open3d; } \
+        >build/pip.log 2>&1; then
+        tail -n 20 build/pip.log >&2
+        echo "setup: installing failed; the whole log is in build/pip.log" >&2
+        exit 1
+    fi
+    touch build/oracle/complete
 fi
