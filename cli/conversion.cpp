@@ -239,10 +239,6 @@ class Run {
     StageTime load_time_{};
 };
 
-}  // namespace
-
-namespace {
-
 ConvertResult run_steps(const Job& job, Console& console, const std::stop_token& stop) {
     Run run(job, console, stop);
     run.check();

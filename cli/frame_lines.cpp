@@ -4,20 +4,9 @@
 
 #include "console.h"
 #include "core/message.h"
-#include "files.h"
 
 namespace pointbake::cli {
 namespace {
-
-/// Other files hold coordinates alone.
-bool has_transform(const RunReport& r) {
-    const std::string extension = lower_extension(r.output);
-    return extension == ".glb" || extension == ".gltf" || extension == ".usdz";
-}
-
-bool has_translation(const RunReport& r) {
-    return has_transform(r) && lower_extension(r.output) != ".usdz";
-}
 
 std::string overrules(bool is_asked, std::string_view option) {
     return is_asked ? fmt::format(" (as {} says)", option) : fmt::format(" ({} overrules)", option);
@@ -26,9 +15,9 @@ std::string overrules(bool is_asked, std::string_view option) {
 std::string axes_line(const RunReport& r) {
     const UpAxis up = r.write.frame.up;
     return fmt::format("axes: {} up: {}{}", to_word(up),
-                       !has_transform(r)  ? "coordinates stay as they are"
-                       : up == UpAxis::kY ? "as glTF has it"
-                                          : "turned to y up by the node",
+                       !r.write.has_transform ? "coordinates stay as they are"
+                       : up == UpAxis::kY     ? "as glTF has it"
+                                              : "turned to y up by the node",
                        overrules(up != r.frame.up, "--up"));
 }
 
@@ -37,7 +26,7 @@ std::string units_line(const RunReport& r) {
     const bool is_asked = frame.metres_per_unit != r.frame.metres_per_unit;
     return fmt::format("units: {} of {:.10g} m: {}{}",
                        is_asked || frame.unit.empty() ? "unit" : frame.unit, frame.metres_per_unit,
-                       has_transform(r) ? "scaled to metres by the node" : "coordinates stay",
+                       r.write.has_transform ? "scaled to metres by the node" : "coordinates stay",
                        overrules(is_asked, "--scale"));
 }
 
@@ -64,8 +53,8 @@ std::vector<std::string> frame_lines(const RunReport& r) {
         lines.push_back(units_line(r));
     if (const Vec3d shift = r.write.global_shift; !(shift == Vec3d{}))
         lines.push_back(fmt::format("global shift: {} {} {}, {}", shift.x, shift.y, shift.z,
-                                    has_translation(r) ? "carried by the node's translation"
-                                                       : "taken off the coordinates"));
+                                    r.write.has_translation ? "carried by the node's translation"
+                                                            : "taken off the coordinates"));
     if (!frame.crs.name.empty()) lines.push_back(crs_line(r));
     return lines;
 }

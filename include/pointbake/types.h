@@ -68,12 +68,12 @@ struct EnumWords<UpAxis> {
 
 /// A coordinate reference system.
 struct Crs {
-    std::string name;            ///< "NAD83 / UTM zone 15N"; empty = none is known
+    std::string name{};          ///< "NAD83 / UTM zone 15N"; empty = none is known
     int epsg = 0;                ///< its EPSG code; 0 = not known
-    std::string vertical;        ///< name of the system of the heights; empty = not told
+    std::string vertical{};      ///< name of the system of the heights; empty = not told
     bool is_geographic = false;  ///< x and y are angles
-    std::string
-        wkt;  ///< its horizontal part as ESRI's WKT, which .prj files hold; empty = not known
+    /// Its horizontal part as ESRI's WKT, which .prj files hold; empty = not known.
+    std::string wkt{};
     friend bool operator==(const Crs&, const Crs&) = default;
 };
 
@@ -81,9 +81,9 @@ struct Crs {
 struct Frame {
     UpAxis up = UpAxis::kAuto;     ///< kAuto: not told; taken for y
     double metres_per_unit = 0.0;  ///< 0: not told; taken for 1
-    std::string unit;              ///< of x and y, "US survey foot"; empty = not told
-    std::string height_unit;       ///< of the heights, where the file tells it apart
-    Crs crs;
+    std::string unit{};            ///< of x and y, "US survey foot"; empty = not told
+    std::string height_unit{};     ///< of the heights, where the file tells it apart
+    Crs crs{};
     friend bool operator==(const Frame&, const Frame&) = default;
 };
 

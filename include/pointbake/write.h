@@ -49,7 +49,7 @@ void validate(const ImageOptions& options);
 struct WriteOptions {
     Shading shading = Shading::kUnlit;
     UpAxis up = UpAxis::kAuto;
-    std::optional<double> scale;
+    std::optional<double> scale{};
     Compression compress = Compression::kNone;
     template <class Field>
     static void describe(Field&& field) {
@@ -74,7 +74,9 @@ struct WriteReport {
     std::uint64_t num_draw_calls = 0;  ///< primitives
     Frame frame;                       ///< what the input tells, or options overrule
     Vec3d global_shift;  ///< what a node translation carries, as floats would lose it; else zero
-    std::filesystem::path prj;  ///< the CRS beside the output; empty = none
+    bool has_transform = false;    ///< the frame is a transform in the file
+    bool has_translation = false;  ///< so is the shift
+    std::filesystem::path prj;     ///< the CRS beside the output; empty = none
     std::vector<std::filesystem::path> files;
 };
 

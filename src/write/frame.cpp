@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "core/message.h"
+#include "core/parallel.h"
 
 namespace pointbake {
 namespace {
@@ -18,6 +19,23 @@ std::string one_line(std::string text) {
 std::string file_text(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+void add_prj(FileSet& files, const std::filesystem::path& main, WriteReport& report,
+             const Context& context) {
+    const Frame& frame = report.frame;
+    if (frame.crs.wkt.empty()) return;
+    const std::filesystem::path path = sibling(main, ".prj");
+    const std::string text = frame.crs.wkt + "\n";
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored) && file_text(path) != text) {
+        log(context, LogLevel::kWarning,
+            "{} is there already and says something else than {}: left as it is", path.string(),
+            frame.crs.name);
+        return;
+    }
+    files.add(path).write(text);
+    report.prj = path;
 }
 
 }  // namespace
@@ -38,20 +56,11 @@ std::string frame_text(const Frame& frame) {
     return fmt::format("{}", fmt::join(facts, ", "));
 }
 
-void add_prj(FileSet& files, const std::filesystem::path& main, const Frame& frame,
-             WriteReport& report, const Context& context) {
-    if (frame.crs.wkt.empty()) return;
-    const std::filesystem::path path = sibling(main, ".prj");
-    const std::string text = frame.crs.wkt + "\n";
-    std::error_code ignored;
-    if (std::filesystem::exists(path, ignored) && file_text(path) != text) {
-        log(context, LogLevel::kWarning,
-            "{} is there already and says something else than {}: left as it is", path.string(),
-            frame.crs.name);
-        return;
-    }
-    files.add(path).write(text);
-    report.prj = path;
+void commit_with_prj(FileSet& files, const std::filesystem::path& main, WriteReport& report,
+                     const Context& context) {
+    add_prj(files, main, report, context);
+    check_cancelled(context);
+    files.commit(report);
 }
 
 }  // namespace pointbake

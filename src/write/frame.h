@@ -12,9 +12,10 @@ namespace pointbake {
 /// frame tells nothing.
 std::string frame_text(const Frame& frame);
 
-/// Adds a .prj with the CRS beside `main` and names it in the report; one that is there already and
-/// says something else is left alone, with a warning.
-void add_prj(FileSet& files, const std::filesystem::path& main, const Frame& frame,
-             WriteReport& report, const Context& context);
+/// The end of every writer: adds a .prj with the CRS of the report's frame beside `main`, puts all
+/// files in place and names them in the report. A .prj that is there already and says something
+/// else is left alone, with a warning.
+void commit_with_prj(FileSet& files, const std::filesystem::path& main, WriteReport& report,
+                     const Context& context);
 
 }  // namespace pointbake

@@ -169,8 +169,7 @@ WriteReport write_cloud(const PointCloud& cloud, const std::filesystem::path& pa
     WriteReport report;
     report.num_vertices = cloud.size();
     report.frame = cloud.frame;
-    add_prj(files, path, cloud.frame, report, context);
-    files.commit(report);
+    commit_with_prj(files, path, report, context);
     return report;
 }
 

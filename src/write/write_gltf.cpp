@@ -493,6 +493,7 @@ WriteReport GltfWriter::run() {
     WriteReport report;
     report.frame = frame_;
     report.global_shift = placement_.translation;
+    report.has_transform = report.has_translation = true;
     report.num_draw_calls = parts_.size();
     for (const MeshPart& part : parts_) {
         report.num_vertices += part.corners.size();
@@ -502,9 +503,7 @@ WriteReport GltfWriter::run() {
         write_glb(main);
     else
         write_separate(files, main);
-    add_prj(files, path_, frame_, report, context_);
-    check_cancelled(context_);
-    files.commit(report);
+    commit_with_prj(files, path_, report, context_);
     return report;
 }
 

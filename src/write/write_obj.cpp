@@ -194,11 +194,9 @@ WriteReport ObjWriter::run() {
     write_materials(files, mtl);
     WriteReport report;
     report.frame = frame_;
-    add_prj(files, path_, frame_, report, context_);
-    check_cancelled(context_);
     report.num_draw_calls = parts_.size();
     for (const MeshPart& part : parts_) report.num_vertices += part.corners.size();
-    files.commit(report);
+    commit_with_prj(files, path_, report, context_);
     return report;
 }
 

@@ -136,11 +136,9 @@ WriteReport PlyMeshWriter::run() {
     }
     WriteReport report;
     report.frame = frame_;
-    add_prj(files, path_, frame_, report, context_);
-    check_cancelled(context_);
     report.num_vertices = mesh_.positions.size();
     report.num_draw_calls = std::max<std::size_t>(1, paths_.size());
-    files.commit(report);
+    commit_with_prj(files, path_, report, context_);
     return report;
 }
 

@@ -64,9 +64,7 @@ WriteReport write_stl(const TexturedMesh& model, const std::filesystem::path& pa
     report.global_shift = shift;
     report.num_vertices = 3 * triangles.size();
     report.num_draw_calls = 1;
-    add_prj(files, path, report.frame, report, context);
-    check_cancelled(context);
-    files.commit(report);
+    commit_with_prj(files, path, report, context);
     return report;
 }
 

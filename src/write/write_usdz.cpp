@@ -291,10 +291,9 @@ WriteReport UsdzWriter::run() {
     zip.write(main);
     report.frame = frame_;
     report.global_shift = placement_.translation;
+    report.has_transform = true;
     report.num_draw_calls = parts_.size();
-    add_prj(files, path_, frame_, report, context_);
-    check_cancelled(context_);
-    files.commit(report);
+    commit_with_prj(files, path_, report, context_);
     return report;
 }
 

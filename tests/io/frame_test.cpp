@@ -110,6 +110,9 @@ TEST(Frame, DamagedSystemsAreNotes) {
         has_note(load_as("a.las", las_with(key_vlrs({{3072, 0, 1, 1}}))), "EPSG:1 is not known"));
     EXPECT_TRUE(has_note(load_as("a.las", las_with(key_vlrs({{1024, 0, 1, 1}, {3076, 0, 1, 7}}))),
                          "7 is the code of no unit"));
+    const auto degrees = key_vlrs({{1024, 0, 1, 1}, {3076, 0, 1, 9102}});
+    EXPECT_TRUE(has_note(load_as("a.las", las_with(degrees)), "9102 is the code of no unit"));
+    EXPECT_EQ(load_as("a.las", las_with(degrees)).cloud.frame.metres_per_unit, 0.0);
     // Texts and entries beyond what is there; the directory cut at every byte.
     const auto beyond = key_vlrs({{1024, 0, 1, 1}, {3073, 34737, 9000, 9000}}, "a");
     EXPECT_TRUE(load_as("a.las", las_with(beyond)).cloud.frame.crs.name.empty());
