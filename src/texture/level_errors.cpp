@@ -14,6 +14,11 @@ constexpr int kMaxLevels = 40;
 constexpr double kFlat =
     1.0;  // one texel is for flat colour: on gradients the triangles would show
 
+bool is_within(int level, float error, double bound) {
+    const auto e = static_cast<double>(error);
+    return e <= bound && bound < HUGE_VAL && (level > 0 || e <= kFlat);
+}
+
 // What forbids a level, if anything.
 CapReason cap_of(const TriangleFrame& frame, int level, double min_pitch, std::size_t num_points,
                  int max_patch) {
@@ -40,8 +45,7 @@ double level_density(const TriangleFrame& frame, int level) {
 std::uint8_t LevelErrors::first_within(std::size_t t, double bound) const {
     std::uint8_t best = 0;
     for (std::uint8_t l = 0; l < patches[t].count; ++l) {
-        const auto e = static_cast<double>(error(t, l));
-        if (e <= bound && bound < HUGE_VAL && (l > 0 || e <= kFlat)) return l;
+        if (is_within(l, error(t, l), bound)) return l;
         if (error(t, l) < error(t, best)) best = l;
     }
     return best;
@@ -67,6 +71,8 @@ double LevelErrors::total_area() const {
 LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, const MapValues& map,
                            const TextureOptions& options, const Context& context) {
     const std::size_t num_triangles = scene.mesh.triangles.size();
+    // Under a budget texels are weighed against each other, on all levels.
+    const double bound = options.texels ? HUGE_VAL : options.texture_error.value_or(HUGE_VAL);
     LevelErrors out;
     out.patches.resize(num_triangles);
     const std::size_t num_chunks = (num_triangles + kGrain - 1) / kGrain;
@@ -85,17 +91,20 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, con
             LevelErrors::Patch& patch = out.patches[t];
             patch.begin = static_cast<Index>(levels.size());
             patch.area = frame.area();
+            bool is_enough = false;
             for (int level = 0; level < kMaxLevels; ++level) {
                 patch.cap = cap_of(frame, level, min_pitch, scene.prints.of(triangle).size(),
                                    options.max_patch);
                 if (patch.cap != CapReason::kNone) break;
-                const PatchTexels texels =
-                    gauge.texels(patch_layout(frame, level_density(frame, level)));
-                const float error = gauge.error(texels);
-                levels.push_back(
-                    {error, static_cast<std::int32_t>(texels.need.shape.num_texels())});
+                const PatchLayout layout = patch_layout(frame, level_density(frame, level));
+                NeedSet need = need_set(layout.corners);
+                const auto needed = static_cast<std::int32_t>(need.shape.num_texels());
                 ++patch.count;
+                const float error = is_enough ? levels.back().error
+                                              : gauge.error(gauge.texels(layout, std::move(need)));
+                levels.push_back({error, needed});
                 if (error <= kNothingToGain) break;
+                is_enough = is_within(level, error, bound);
             }
         }
     });

@@ -19,7 +19,8 @@ using CapCount = Index CappedCounts::*;
 class LevelErrors {
  public:
     struct Level {
-        float error;          ///< RMS against the splatted function, 8-bit steps
+        float error;          ///< RMS against the splatted function, 8-bit steps; finer than
+                              ///< the bound asks for: that of the first level within it
         std::int32_t needed;  ///< texels of the need set
     };
     struct Patch {

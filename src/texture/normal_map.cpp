@@ -23,9 +23,8 @@ void to_tangent_space(PatchTexels& patch, const Shell& shell, Index triangle,
     for (int row = 0; row < patch.need.shape.height(); ++row) {
         const PatchShape::Span span = patch.need.shape.rows[static_cast<std::size_t>(row)];
         for (int i = span.left; i <= span.right; ++i) {
-            const auto at =
-                static_cast<std::size_t>(row) * static_cast<std::size_t>(patch.width()) +
-                static_cast<std::size_t>(i);
+            const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(patch.width) +
+                            static_cast<std::size_t>(i);
             const Vec2f texel{static_cast<float>(i + patch.need.offset_x),
                               static_cast<float>(row + patch.need.offset_y)};
             const Vec3d n =

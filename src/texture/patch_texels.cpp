@@ -14,7 +14,7 @@ constexpr float kMinWeight = 1e-4F;  // below, a texel counts as not covered
 struct ScreenSplat {
     float x, y, a, b, c;  // centre; q(dx, dy) = a dx^2 + 2 b dx dy + c dy^2
     float radius_y, amplitude;
-    Vec3f value;
+    Vec3f value, linear;
 };
 
 // The splat in texel coordinates; false if it is too thin to have any.
@@ -36,19 +36,28 @@ bool to_screen(const LocalSplat& s, const PatchLayout& layout, float low_pass, f
            vxx / det,
            cut * std::sqrt(vyy),
            std::sqrt(det_object / det),
+           {},
            {}};
     return true;
 }
 
-// Sums of weight * value and of weight, a plane each: the inner loop runs over whole vectors.
-struct Sums {
-    std::vector<float> red, green, blue, weight;
-    explicit Sums(std::size_t n) : red(n), green(n), blue(n), weight(n) {}
-    Vec3f mean(std::size_t i) const { return Vec3f{red[i], green[i], blue[i]} / weight[i]; }
+// Of weight * value and of weight.
+struct WeightedSum {
+    float x = 0.0F, y = 0.0F, z = 0.0F, weight = 0.0F;
+    void add(Vec3f value, float w) {
+        x += value.x * w;
+        y += value.y * w;
+        z += value.z * w;
+        weight += w;
+    }
+    Vec3f mean() const { return Vec3f{x, y, z} / weight; }
 };
+using Sums = std::vector<WeightedSum>;
 
+// Of the values and, where `kAverages`, of the same in linear light.
+template <bool kAverages>
 void accumulate(const ScreenSplat& s, const Kernel& kernel, const NeedSet& need, int width,
-                Sums& sums) {
+                Sums& sums, Sums& linear_sums) {
     const int first_row =
         std::max(0, static_cast<int>(std::ceil(s.y - s.radius_y)) - need.offset_y);
     const int last_row = std::min(need.shape.height() - 1,
@@ -65,19 +74,15 @@ void accumulate(const ScreenSplat& s, const Kernel& kernel, const NeedSet& need,
         const int right =
             std::min(span.right, static_cast<int>(std::floor(middle + half)) - need.offset_x);
         const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
-        float* __restrict red = sums.red.data() + at;
-        float* __restrict green = sums.green.data() + at;
-        float* __restrict blue = sums.blue.data() + at;
-        float* __restrict weight = sums.weight.data() + at;
+        WeightedSum* const sum = sums.data() + at;
+        WeightedSum* const linear_sum = kAverages ? linear_sums.data() + at : nullptr;
         const float linear = 2.0F * s.b * dy, constant = s.c * dy * dy;
         const float shift = static_cast<float>(need.offset_x) - s.x;
         for (int i = left; i <= right; ++i) {
             const float dx = static_cast<float>(i) + shift;
             const float w = s.amplitude * kernel((s.a * dx + linear) * dx + constant);
-            red[i] += s.value.x * w;
-            green[i] += s.value.y * w;
-            blue[i] += s.value.z * w;
-            weight[i] += w;
+            sum[i].add(s.value, w);
+            if constexpr (kAverages) linear_sum[i].add(s.linear, w);
         }
     }
 }
@@ -140,7 +145,7 @@ PatchTexels splat_patch(const LocalField& field, const MapValues& map, const Pat
     PatchTexels patch;
     patch.layout = layout;
     patch.need = std::move(need);
-    const int width = patch.width(), height = patch.need.shape.height();
+    const int width = patch.width = patch.need.shape.width(), height = patch.need.shape.height();
     const auto num_texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     const bool averages = !map.linear.empty() && filter.linear_share > 0.0F;
     Sums sums(num_texels), linear(averages ? num_texels : 0);
@@ -148,10 +153,12 @@ PatchTexels splat_patch(const LocalField& field, const MapValues& map, const Pat
         ScreenSplat screen;
         if (!to_screen(s, layout, filter.variance, field.kernel().cut, screen)) continue;
         screen.value = map.values[s.item];
-        accumulate(screen, field.kernel(), patch.need, width, sums);
-        if (!averages) continue;
-        screen.value = map.linear[s.item];
-        accumulate(screen, field.kernel(), patch.need, width, linear);
+        if (averages) {
+            screen.linear = map.linear[s.item];
+            accumulate<true>(screen, field.kernel(), patch.need, width, sums, linear);
+        } else {
+            accumulate<false>(screen, field.kernel(), patch.need, width, sums, linear);
+        }
     }
     patch.values.resize(num_texels);
     patch.is_uncovered.assign(num_texels, 0);
@@ -161,10 +168,10 @@ PatchTexels splat_patch(const LocalField& field, const MapValues& map, const Pat
             const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
                             static_cast<std::size_t>(i);
             Vec3f& value = patch.values[at];
-            if (sums.weight[at] > kMinWeight) {
-                value = sums.mean(at);
+            if (sums[at].weight > kMinWeight) {
+                value = sums[at].mean();
                 if (averages)
-                    value += (linear_to_value(linear.mean(at)) - value) * filter.linear_share;
+                    value += (linear_to_value(linear[at].mean()) - value) * filter.linear_share;
                 continue;
             }
             const Vec2f u{static_cast<float>(i + patch.need.offset_x),
@@ -181,7 +188,7 @@ PatchTexels splat_patch(const LocalField& field, const MapValues& map, const Pat
 Vec3f sample_bilinear(const PatchTexels& patch, MapKind kind, Vec2f u) {
     const float x = u.x - static_cast<float>(patch.need.offset_x),
                 y = u.y - static_cast<float>(patch.need.offset_y);
-    const int last_x = patch.width() - 1, last_y = patch.need.shape.height() - 1;
+    const int last_x = patch.width - 1, last_y = patch.need.shape.height() - 1;
     const int x0 = std::clamp(static_cast<int>(std::floor(x)), 0, last_x),
               x1 = std::min(x0 + 1, last_x);
     const int y0 = std::clamp(static_cast<int>(std::floor(y)), 0, last_y),

@@ -38,13 +38,13 @@ inline constexpr double kOneTexel = 0.0;  ///< density of the one-texel patch
 struct PatchTexels {
     PatchLayout layout;
     NeedSet need;
+    int width = 0;                           ///< of the need set's box
     std::vector<Vec3f> values;               ///< width * height, as coding.h has them
     std::vector<std::uint8_t> coded;         ///< 3 per texel
     std::vector<std::uint8_t> is_uncovered;  ///< no splat reached it; filled from those around
 
-    int width() const { return need.shape.width(); }
     std::size_t at(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) +
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                static_cast<std::size_t>(x);
     }
     Vec3f value(int x, int y) const { return values[at(x, y)]; }
