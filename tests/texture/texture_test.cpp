@@ -123,6 +123,18 @@ TEST(Texture, TighterBoundNeverNeedsFewerTexels) {
     }
 }
 
+TEST(Texture, PlansAreTheSameWhereTheBoundIsKnownBefore) {
+    const Painted p = painted_square(80, wave);
+    for (const double bound : {1.0, 4.0}) {
+        TextureOptions options = kTriangles;
+        options.texture_error = bound;  // nothing finer is measured
+        const TextureBaker some(p.mesh, p.cloud, p.owners, options, {}),
+            all(p.mesh, p.cloud, p.owners, kTriangles, {});
+        EXPECT_EQ(some.plan(bound, kNoBudget).levels, all.plan(bound, kNoBudget).levels);
+        EXPECT_GT(all.plan(0.5, kNoBudget).num_needed, all.plan(bound, kNoBudget).num_needed);
+    }
+}
+
 TEST(Texture, NeverNeedsMoreThanTheBudget) {
     const Painted p = painted_square(80, wave);
     const TextureBaker baker(p.mesh, p.cloud, p.owners, kTriangles, {});
