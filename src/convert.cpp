@@ -11,6 +11,7 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "pointbake/splats.h"
 #include "write/encode_image.h"
 
 namespace pointbake {
@@ -174,6 +175,12 @@ ReconstructResult given_mesh(ConvertInput& input) {
     return out;
 }
 
+void tell_of_splats(ReconstructReport& report, double step) {
+    report.surface = Surface::kWatertight;
+    report.method = Method::kOpacity;
+    report.reason = fmt::format("around Gaussian splats, on a grid of {:.3g}", step);
+}
+
 // Given normals that contradict each other are worth nothing.
 void estimate_unsure_normals(ConvertResult& result, const std::vector<Index>& unsure,
                              const AttributesOptions& options, const Context& context) {
@@ -190,6 +197,16 @@ void estimate_unsure_normals(ConvertResult& result, const std::vector<Index>& un
 
 bool has_given_surface(const ConvertInput& input, const ConvertOptions& options) {
     return input.mesh || options.reconstruct.surface == Surface::kGiven;
+}
+
+// Splats have a surface of their own, unless one through their centres is asked for.
+bool goes_around_splats(const PointCloud& cloud, const ConvertOptions& options) {
+    const ReconstructOptions& asked = options.reconstruct;
+    if (!holds_splats(cloud)) return false;
+    if (asked.method != Method::kAuto) return asked.method == Method::kOpacity;
+    return (asked.surface == Surface::kAuto || asked.surface == Surface::kWatertight) &&
+           asked.thin == Thin::kAuto && !asked.fill_holes &&
+           options.denoise.denoise != Denoise::kOn;
 }
 
 // Vertices of a mesh are where they should be.
@@ -371,7 +388,8 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
     validate(options);
     std::optional<GivenLayout> layout;
     if (options.texture.keep_uvs) layout = given_layout(input.mesh);
-    const bool is_given = has_given_surface(input, options);
+    bool is_given = has_given_surface(input, options);
+    std::optional<double> splat_step;
 
     if (!is_given && input.file_mesh)
         result.report.num_unused_faces = input.file_mesh->triangles.size();
@@ -380,6 +398,13 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
             CleanResult cleaned =
                 clean(std::move(input.cloud), cleaning_for(input, options), context);
             result.report.clean = cleaned.report;
+            if (!is_given && goes_around_splats(cleaned.cloud, options)) {
+                SplatSurface splats = splat_surface(cleaned.cloud, context);
+                cleaned.cloud = std::move(splats.cloud);
+                input.file_mesh = std::move(splats.mesh);
+                splat_step = splats.step;
+                is_given = true;
+            }
             // A surface that is given is not second-guessed.
             DenoiseResult denoised = is_given ? DenoiseResult{std::move(cleaned.cloud), {}}
                                               : denoise(std::move(cleaned.cloud),
@@ -397,6 +422,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
                 is_given ? given_mesh(input) : reconstructed(result, options, context);
             result.dense = std::move(surface.surface);
             result.report.reconstruct = surface.report;
+            if (splat_step) tell_of_splats(result.report.reconstruct, *splat_step);
             estimate_unsure_normals(result, surface.unsure_normals, options.attributes, context);
             AttributesResult refined = refine_attributes(std::move(result.cloud), result.dense,
                                                          options.attributes, context);

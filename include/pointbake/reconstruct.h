@@ -18,11 +18,11 @@ template <>
 struct EnumWords<Surface> {
     static constexpr std::string_view words[] = {"auto", "open", "watertight", "given"};
 };
-enum class Method { kAuto, kCocone, kTightCocone, kRobustCocone, kImplicit };
+enum class Method { kAuto, kCocone, kTightCocone, kRobustCocone, kImplicit, kOpacity };
 template <>
 struct EnumWords<Method> {
     static constexpr std::string_view words[] = {"auto", "cocone", "tight-cocone", "robust-cocone",
-                                                 "implicit"};
+                                                 "implicit", "opacity"};
 };
 
 enum class Thin { kAuto, kOff };
@@ -46,7 +46,8 @@ struct ReconstructOptions {
         field(
             "method", &ReconstructOptions::method,
             "how it is found: cocone (open), tight-cocone (watertight), robust-cocone (watertight, "
-            "around the noise), implicit (open or watertight, between the points), or auto");
+            "around the noise), implicit (open or watertight, between the points), opacity "
+            "(watertight, around Gaussian splats), or auto");
         field("thin", &ReconstructOptions::thin,
               "which points become vertices of the dense mesh: auto (fewer where the surface "
               "bends little; it stays within 0.02 spacings) or off (all of them)");

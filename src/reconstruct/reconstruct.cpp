@@ -48,7 +48,8 @@ constexpr double kNearestPerNoise = 25.0, kLeastNearest = 0.02, kMostNearest = 0
 constexpr double kTolerance = 0.02;
 
 bool is_closing(Method method) {
-    return method == Method::kTightCocone || method == Method::kRobustCocone;
+    return method == Method::kTightCocone || method == Method::kRobustCocone ||
+           method == Method::kOpacity;
 }
 
 Surface wanted_surface(const ReconstructOptions& options) {
@@ -380,7 +381,8 @@ TooLittleEnclosed::TooLittleEnclosed(double lost)
       lost_area_fraction(lost) {}
 
 bool is_available(Method method) {
-    return method == Method::kAuto || method == Method::kImplicit || has_delaunay();
+    return method == Method::kAuto || method == Method::kImplicit || method == Method::kOpacity ||
+           has_delaunay();
 }
 
 void validate(const ReconstructOptions& options) {
@@ -389,7 +391,7 @@ void validate(const ReconstructOptions& options) {
         (options.surface == Surface::kWatertight && options.method == Method::kCocone))
         fail(ErrorCode::kInvalidOption,
              "method '{}' does not make a surface that is '{}': cocone is for open surfaces, "
-             "tight-cocone and robust-cocone for watertight ones; implicit makes both",
+             "tight-cocone, robust-cocone and opacity for watertight ones; implicit makes both",
              to_word(options.method), to_word(options.surface));
     if (!is_available(options.method))
         fail(ErrorCode::kInvalidOption,
@@ -413,6 +415,9 @@ ReconstructResult reconstruct(const PointCloud& cloud, const ReconstructOptions&
         fail(ErrorCode::kInvalidOption,
              "surface 'given' takes the faces of the file: there is nothing to reconstruct; use "
              "auto, open or watertight");
+    if (options.method == Method::kOpacity)
+        fail(ErrorCode::kInvalidOption,
+             "method 'opacity' is for Gaussian splats: points do not have their shapes");
     validate(options);
     check_positions(cloud);
     const bool is_implicit = needs_normals(options);

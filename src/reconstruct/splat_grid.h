@@ -1,0 +1,76 @@
+// How opaque Gaussian splats make space, on a sparse lattice, and what of it is outside.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointbake/context.h"
+#include "pointbake/types.h"
+
+namespace pointbake {
+
+/// A Gaussian of unit amplitude times its opacity.
+struct Splat {
+    Vec3d center;
+    std::array<Vec3f, 3> axes;     ///< unit, at right angles
+    std::array<float, 3> sigmas;   ///< standard deviations along them, above 0
+    float opacity = 0.0F;          ///< 0 to 1
+};
+
+/// Immutable. Points of the lattice are told by their coordinates in steps, from 0 on.
+class SplatGrid {
+ public:
+    using Point = std::array<std::int32_t, 3>;
+
+    /// The step is doubled until the splats' extent is at most 2 000 steps a side, roughly.
+    SplatGrid(std::span<const Splat> splats, double step, const Context& context);
+
+    double step() const { return step_; }
+    /// Points along each axis.
+    Point size() const;
+    Vec3d place(Vec3d point) const { return corner_ + point * step_; }
+
+    /// One half less the opacity where that is above one half or the point is outside: where free
+    /// space hangs together with that around all splats, through gaps wider than four steps. Below
+    /// 0 everywhere else. Splats are not thinner here than 0.6 steps.
+    float value(const Point& point) const;
+    /// The lower corners of the lattice's cubes whose corners have values of both signs, in an
+    /// order of their places.
+    std::vector<Point> mixed_cubes(const Context& context) const;
+    /// The splats that reach some of the space around a place, ascending.
+    std::span<const Index> splats_near(Vec3d place) const;
+
+ private:
+    static constexpr std::int32_t kSide = 8;  ///< points per brick and axis
+    static constexpr std::size_t kBrickPoints = 512;
+    enum State : std::uint8_t { kFree, kBlocked, kOpaque, kOutside };
+    struct Reach;
+    struct Frontier;
+
+    Reach reach_of(const Splat& splat) const;
+    bool is_inside(const Point& p) const;
+    std::size_t cell_of(const Point& p) const;
+    static std::size_t slot_of(const Point& p);
+    State state(const Point& p) const;
+    void lay_out(std::span<const Splat> splats);
+    void list_splats(std::span<const Splat> splats);
+    void add_opacities(std::span<const Splat> splats, const Context& context);
+    std::vector<Point> opaque_points() const;
+    void block_near_opaque();
+    void flood();
+    void grow_outside();
+
+    double step_;
+    Vec3d corner_;
+    Point bricks_{};                 ///< per axis
+    std::vector<Index> brick_of_;    ///< per cell of the bricks' lattice; kInvalidIndex = no splats
+    std::vector<std::uint8_t> is_outside_;  ///< the same, of cells without splats
+    std::vector<Point> brick_points_;       ///< per brick: its first point
+    std::vector<Index> splats_begin_, splats_;  ///< per brick
+    std::vector<float> opacities_;              ///< per brick and point
+    std::vector<State> states_;
+};
+
+}  // namespace pointbake

@@ -1,0 +1,290 @@
+#include "pointbake/splats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/kernel.h"
+#include "core/message.h"
+#include "core/parallel.h"
+#include "core/union_find.h"
+#include "pointbake/error.h"
+#include "reconstruct/contour.h"
+#include "reconstruct/splat_grid.h"
+
+namespace pointbake {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+constexpr double kStepOverSigma = 1.0;  // of the splats' median second standard deviation
+constexpr float kThin = 0.1F;           // third standard deviation over the second, of flat splats
+constexpr double kLeastPiece = 1e-3;    // of the largest one's triangles
+// A look along the normal begins and ends so many steps before and behind the surface.
+constexpr double kBefore = 3.0, kBehind = 6.0;
+constexpr float kLeastSeen = 1.0F / 255.0F, kDark = 0.01F;
+constexpr float kCut2 = 9.0F;
+
+Splat splat_of(const PointCloud& cloud, std::size_t i) {
+    Splat out;
+    out.center = cloud.positions[i];
+    const Vec3f u = cloud.axes[i].u, v = cloud.axes[i].v;
+    out.sigmas = {length(u), length(v), 0.0F};
+    out.axes[0] = u / out.sigmas[0];
+    out.axes[1] = v / out.sigmas[1];
+    out.axes[2] = cross(out.axes[0], out.axes[1]);
+    const bool is_flat = !(cloud.normals[i] == Vec3f{});
+    out.sigmas[2] = out.sigmas[1] * (is_flat ? kThin : 1.0F);
+    out.opacity = cloud.weights[i];
+    return out;
+}
+
+std::vector<Splat> splats_of(const PointCloud& cloud) {
+    std::vector<Splat> splats(cloud.size());
+    for (std::size_t i = 0; i < splats.size(); ++i) splats[i] = splat_of(cloud, i);
+    return splats;
+}
+
+double median_size(const std::vector<Splat>& splats) {
+    std::vector<float> sizes;
+    for (const Splat& s : splats) sizes.push_back(s.sigmas[1]);
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    return static_cast<double>(*middle);
+}
+
+/// The grid's tetrahedra where it changes its sign, contoured.
+class Contouring {
+ public:
+    Contouring(const SplatGrid& field, const Context& context)
+        : field_(field), context_(context), grid_(make_grid(field, units_)) {}
+
+    Mesh run() {
+        for (const SplatGrid::Point& cube : field_.mixed_cubes(context_))
+            grid_.split({cube[0] * units_ + units_ / 2, cube[1] * units_ + units_ / 2,
+                         cube[2] * units_ + units_ / 2});
+        values_.resize(grid_.num_nodes());
+        parallel_for(context_, values_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                values_[i] = value_at(grid_.point(static_cast<Index>(i)));
+        });
+        const std::vector<std::uint8_t> may_snap(values_.size(), 1);
+        Contour contour = find_contour(grid_, values_, may_snap, context_);
+        Mesh mesh;
+        for (const ContourVertex& v : contour.vertices) mesh.positions.push_back(place_of(v));
+        mesh.triangles = std::move(contour.triangles);
+        return mesh;
+    }
+
+ private:
+    static SimplexGrid make_grid(const SplatGrid& field, std::int32_t& units) {
+        constexpr int kMostCubes = 7;
+        const SplatGrid::Point size = field.size();
+        int level = 0;  // 2^level steps a cube
+        const auto cubes = [&](std::size_t k) {
+            return static_cast<int>((size[k] >> level) + 1);
+        };
+        while (std::max({cubes(0), cubes(1), cubes(2)}) > kMostCubes) ++level;
+        units = SimplexGrid::kCubeUnits >> level;
+        return SimplexGrid(field.place({0.0, 0.0, 0.0}), std::ldexp(field.step(), level),
+                           {cubes(0), cubes(1), cubes(2)});
+    }
+
+    /// At a point of the lattice its own value, in a cube's middle the mean of its corners'.
+    float value_at(const SimplexGrid::Point& p) const {
+        SplatGrid::Point low{};
+        bool is_middle = false;
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = p[k] / units_;
+            is_middle |= p[k] % units_ != 0;
+        }
+        if (!is_middle) return field_.value(low);
+        float sum = 0.0F;
+        for (std::int32_t corner = 0; corner < 8; ++corner)
+            sum += field_.value(
+                {low[0] + (corner & 1), low[1] + (corner >> 1 & 1), low[2] + (corner >> 2)});
+        return sum / 8.0F;
+    }
+
+    Vec3d gradient_at(const SimplexGrid::Point& p) const {
+        Vec3d out;
+        for (std::size_t k = 0; k < 3; ++k) {
+            SimplexGrid::Point before = p, after = p;
+            before[k] -= units_;
+            after[k] += units_;
+            const auto value = [&](const SimplexGrid::Point& q) {
+                return q[k] < 0 ? 0.5 : static_cast<double>(value_at(q));
+            };
+            out[k] = (value(after) - value(before)) / (2.0 * field_.step());
+        }
+        return out;
+    }
+
+    Vec3d place_of(const ContourVertex& v) const {
+        const Vec3d outside = grid_.place(v.outside);
+        const auto at_outside = static_cast<double>(values_[v.outside]);
+        if (!v.is_snapped()) {
+            const auto at_inside = static_cast<double>(values_[v.inside]);
+            return outside + (grid_.place(v.inside) - outside) *
+                                 (at_outside / (at_outside - at_inside));
+        }
+        constexpr double kMostMoved = 0.3;  // steps
+        const Vec3d gradient = gradient_at(grid_.point(v.outside));
+        const double slope = length(gradient);
+        if (slope == 0.0) return outside;
+        const double most = kMostMoved * field_.step();
+        return outside - gradient / slope * std::clamp(at_outside / slope, -most, most);
+    }
+
+    const SplatGrid& field_;
+    const Context& context_;
+    std::int32_t units_ = 0;  ///< of the simplex grid, in a step
+    SimplexGrid grid_;
+    std::vector<float> values_;
+};
+
+/// Without pieces of few triangles beside the largest.
+Mesh without_crumbs(const Mesh& mesh) {
+    UnionFind pieces(mesh.positions.size());
+    for (const Triangle& t : mesh.triangles) pieces.unite(t[0], t[1]), pieces.unite(t[0], t[2]);
+    std::vector<std::size_t> sizes(mesh.positions.size());
+    for (const Triangle& t : mesh.triangles) ++sizes[pieces.find(t[0])];
+    const auto least =
+        kLeastPiece * static_cast<double>(*std::max_element(sizes.begin(), sizes.end()));
+    Mesh out;
+    std::vector<Index> rank(mesh.positions.size(), kInvalidIndex);
+    for (Index v = 0; v < rank.size(); ++v) {
+        if (static_cast<double>(sizes[pieces.find(v)]) < least) continue;
+        rank[v] = static_cast<Index>(out.positions.size());
+        out.positions.push_back(mesh.positions[v]);
+    }
+    for (const Triangle& t : mesh.triangles)
+        if (rank[t[0]] != kInvalidIndex) out.triangles.push_back({rank[t[0]], rank[t[1]], rank[t[2]]});
+    return out;
+}
+
+/// Looks at the splats along normals.
+class Viewer {
+ public:
+    Viewer(const PointCloud& cloud, const std::vector<Splat>& splats, const SplatGrid& grid)
+        : cloud_(cloud), splats_(splats), grid_(grid) {}
+
+    struct View {
+        Rgb16 color{};
+        Index splat = kInvalidIndex;  ///< that shows most; none = nothing is seen
+    };
+    View from_outside(Vec3d place, Vec3f normal) {
+        find_hits(place, normal);
+        std::sort(hits_.begin(), hits_.end());
+        Vec3f sum;
+        float passed = 1.0F, most = 0.0F;
+        View view;
+        for (const Hit& hit : hits_) {
+            const float shown = passed * hit.opacity;
+            if (!cloud_.colors.empty()) {
+                const Rgb16 c = cloud_.colors[hit.splat];
+                sum += Vec3f{static_cast<float>(c.r), static_cast<float>(c.g),
+                             static_cast<float>(c.b)} *
+                       shown;
+            }
+            if (shown > most) most = shown, view.splat = hit.splat;
+            passed *= 1.0F - hit.opacity;
+            if (passed < kDark) break;
+        }
+        if (passed < 1.0F) {
+            const Vec3f mean = sum / (1.0F - passed);
+            const auto rounded = [](float x) { return static_cast<std::uint16_t>(x + 0.5F); };
+            view.color = {rounded(mean.x), rounded(mean.y), rounded(mean.z)};
+        }
+        return view;
+    }
+
+ private:
+    struct Hit {
+        float depth;  ///< along the look, from the surface on
+        Index splat;
+        float opacity;
+        bool operator<(const Hit& other) const {
+            return depth != other.depth ? depth < other.depth : splat < other.splat;
+        }
+    };
+
+    /// Each splat counts where it is densest on the line.
+    void find_hits(Vec3d place, Vec3f normal) {
+        hits_.clear();
+        const auto first = static_cast<float>(-kBefore * grid_.step()),
+                   last = static_cast<float>(kBehind * grid_.step());
+        for (const Index i : grid_.splats_near(place)) {
+            const Splat& s = splats_[i];
+            const auto from = vec_cast<float>(place - s.center);
+            float aa = 0.0F, ab = 0.0F, bb = 0.0F;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3f axis = s.axes[k] / s.sigmas[k];
+                const float a = -dot(axis, normal), b = dot(axis, from);
+                aa += a * a, ab += a * b, bb += b * b;
+            }
+            const float depth = -ab / aa, q = std::max(bb - ab * ab / aa, 0.0F);
+            if (!(depth >= first && depth <= last && q < kCut2)) continue;
+            const float opacity = std::min(s.opacity * gaussian(q), 0.99F);
+            if (opacity >= kLeastSeen) hits_.push_back({depth, i, opacity});
+        }
+    }
+
+    const PointCloud& cloud_;
+    const std::vector<Splat>& splats_;
+    const SplatGrid& grid_;
+    std::vector<Hit> hits_;
+};
+
+void measure_vertices(SplatSurface& out) {
+    const std::vector<Vec3d>& x = out.mesh.positions;
+    std::vector<Vec3d> areas(x.size());
+    out.cloud.areas.assign(x.size(), 0.0F);
+    for (const Triangle& t : out.mesh.triangles) {
+        const Vec3d area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]) * 0.5;
+        for (const Index v : t) {
+            areas[v] += area;
+            out.cloud.areas[v] += static_cast<float>(length(area) / 3.0);
+        }
+    }
+    out.cloud.normals.resize(x.size());
+    for (std::size_t v = 0; v < x.size(); ++v) {
+        const double size = length(areas[v]);
+        if (size > 0.0) out.cloud.normals[v] = vec_cast<float>(areas[v] / size);
+    }
+    out.cloud.given_normals.assign(x.size(), 1);
+}
+
+}  // namespace
+
+bool holds_splats(const PointCloud& cloud) { return !cloud.axes.empty() && !cloud.weights.empty(); }
+
+SplatSurface splat_surface(const PointCloud& cloud, const Context& context) {
+    const std::vector<Splat> splats = splats_of(cloud);
+    const SplatGrid grid(splats, kStepOverSigma * median_size(splats), context);
+    SplatSurface out;
+    out.step = grid.step();
+    out.mesh = without_crumbs(Contouring(grid, context).run());
+    if (out.mesh.triangles.empty())
+        fail(ErrorCode::kDegenerate, "the {} splats are nowhere half opaque", cloud.size());
+    const std::size_t n = out.mesh.positions.size();
+    out.cloud.positions = out.mesh.positions;
+    measure_vertices(out);
+    out.cloud.rows.resize(n);
+    if (!cloud.colors.empty()) out.cloud.colors.resize(n);
+    parallel_for(context, n, kGrain, [&](std::size_t begin, std::size_t end) {
+        Viewer viewer(cloud, splats, grid);
+        for (std::size_t v = begin; v < end; ++v) {
+            const Viewer::View view =
+                viewer.from_outside(out.mesh.positions[v], out.cloud.normals[v]);
+            if (!cloud.colors.empty()) out.cloud.colors[v] = view.color;
+            out.cloud.rows[v] = view.splat == kInvalidIndex ? 0 : cloud.rows[view.splat];
+        }
+    });
+    out.cloud.frame = cloud.frame;
+    out.cloud.num_rows = cloud.num_rows;
+    out.cloud.dropped = cloud.dropped;
+    out.cloud.merged = cloud.merged;
+    return out;
+}
+
+}  // namespace pointbake
