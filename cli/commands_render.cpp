@@ -30,11 +30,29 @@ bool is_model(const fs::path& path) {
     return extension == ".obj" || extension == ".gltf" || extension == ".glb";
 }
 
+/// Upright and in metres, as models are written.
+void set_upright(PointCloud& cloud) {
+    const UpAxis up = cloud.frame.up;
+    const auto turned = [&]<class T>(const Vec3<T>& p) {
+        if (up == UpAxis::kZ) return Vec3<T>{p.x, p.z, -p.y};
+        return up == UpAxis::kMinusY ? Vec3<T>{p.x, -p.y, -p.z} : p;
+    };
+    const double unit = cloud.frame.metres_per_unit > 0.0 ? cloud.frame.metres_per_unit : 1.0;
+    for (Vec3d& p : cloud.positions) p = turned(p) * unit;
+    for (Vec3f& n : cloud.normals) n = turned(n);
+    const auto length = static_cast<float>(unit);
+    for (TangentAxes& a : cloud.axes) a = {turned(a.u) * length, turned(a.v) * length};
+    for (float& r : cloud.radii) r *= length;
+    for (float& a : cloud.areas) a *= length * length;
+}
+
 Subject load_subject(const fs::path& path, const LoadOptions& options, const Context& context) {
     if (is_model(path)) return {.cloud = {}, .model = load_mesh(path, context)};
     LoadResult loaded = load_cloud(path, options, context);
     if (loaded.mesh) return {.cloud = {}, .model = load_mesh(path, context)};
-    return {.cloud = estimate_attributes(std::move(loaded.cloud), {}, context).cloud, .model = {}};
+    PointCloud cloud = estimate_attributes(std::move(loaded.cloud), {}, context).cloud;
+    set_upright(cloud);
+    return {.cloud = std::move(cloud), .model = {}};
 }
 
 /// Looked at from above or below, y cannot point upwards.

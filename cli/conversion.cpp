@@ -6,6 +6,7 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "core/splat.h"
 #include "files.h"
 #include "memory_watch.h"
 #include "summary.h"
@@ -97,11 +98,11 @@ void check_outputs(const Job& job) {
     check_writable(job.files.work_dir / "options.json", taken);
 }
 
-void check_memory(const Job& job, std::uint64_t num_points) {
-    const std::uint64_t needed = predicted_memory(num_points);
+void check_memory(const Job& job, std::uint64_t num_points, bool are_splats) {
+    const std::uint64_t needed = predicted_memory(num_points, are_splats);
     if (!job.limits.max_memory || needed <= job.limits.max_memory->bytes) return;
     fail(ErrorCode::kLimit, "{} are expected to need up to {} of memory, more than --max-memory {}",
-         counted(num_points, "point"), bytes_text(needed),
+         counted(num_points, are_splats ? "splat" : "point"), bytes_text(needed),
          bytes_text(job.limits.max_memory->bytes));
 }
 
@@ -129,7 +130,7 @@ class Run {
         check_outputs(job_);
         std::uint64_t promised = 0;
         for (const fs::path& input : job_.inputs) promised += promised_points(input).value_or(0);
-        if (promised > 0) check_memory(job_, promised);
+        if (promised > 0) check_memory(job_, promised, false);
     }
 
     ConvertInput load() {
@@ -141,7 +142,7 @@ class Run {
         report_.load = loaded.report;
         report_.frame = loaded.cloud.frame;
         loaded.cloud.frame = settled_frame(std::move(loaded.cloud.frame), job_.write);
-        check_memory(job_, loaded.cloud.size());
+        check_memory(job_, loaded.cloud.size(), holds_splats(loaded.cloud));
         ConvertInput input{
             .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};
         if (!job_.mesh.mesh.empty()) input.mesh = load_mesh(job_.mesh.mesh, context_);

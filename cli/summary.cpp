@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/splat.h"
 #include "frame_lines.h"
 
 namespace pointbake::cli {
@@ -34,6 +35,11 @@ std::uint64_t num_points(const RunReport& r) {
     return r.load.num_kept - r.convert.clean.num_dropped();
 }
 
+std::string points_text(const RunReport& r) {
+    const bool are_splats = r.convert.reconstruct.method == Method::kOpacity;
+    return counted(num_points(r), are_splats ? "splat" : "point");
+}
+
 std::string noise_text(const DenoiseReport& r) {
     std::string text = fmt::format("noise {:.2g} spacings", r.noise);
     if (r.is_done) text += fmt::format(", taken out down to {:.2g}", r.noise_left);
@@ -62,8 +68,8 @@ std::string surface_line(const RunReport& r) {
 /// Of a run that ends with the dense mesh.
 std::string dense_line(const RunReport& r) {
     const ReconstructReport& found = r.convert.reconstruct;
-    std::string line = fmt::format("{} -> {}", counted(num_points(r), "point"),
-                                   counted(found.num_triangles, "triangle"));
+    std::string line =
+        fmt::format("{} -> {}", points_text(r), counted(found.num_triangles, "triangle"));
     if (was_reconstructed(r))
         line += fmt::format(" in {} with {}", counted(found.num_components, "piece"),
                             counted(found.num_boundary_loops, "border"));
@@ -78,7 +84,7 @@ std::string unused_faces_text(std::uint64_t num_faces) {
 std::string geometry_line(const RunReport& r) {
     const SimplifyReport& simplify = r.convert.simplify;
     std::string line = fmt::format(
-        "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}", counted(num_points(r), "point"),
+        "{} -> {} ({}); farthest point {:.4g}, mean {:.3g}, {}", points_text(r),
         counted(simplify.num_triangles, "triangle"), to_word(r.convert.reconstruct.surface),
         simplify.points_to_mesh.max, simplify.points_to_mesh.mean, bound_text(simplify.bound));
     if (simplify.num_off_surface > 0)
@@ -248,7 +254,8 @@ std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input,
     append("texture", texture_plan(job.convert.texture));
     append("stop after", to_word(job.stop.stop_after));
     append("output", job.output.empty() ? job.files.work_dir.string() : job.output.string());
-    append("memory", "up to " + bytes_text(predicted_memory(input.cloud.size())));
+    append("memory",
+           "up to " + bytes_text(predicted_memory(input.cloud.size(), holds_splats(input.cloud))));
     return lines;
 }
 

@@ -11,6 +11,7 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/parallel.h"
+#include "core/splat.h"
 #include "pointbake/splats.h"
 #include "write/encode_image.h"
 
@@ -175,10 +176,15 @@ ReconstructResult given_mesh(ConvertInput& input) {
     return out;
 }
 
-void tell_of_splats(ReconstructReport& report, double step) {
+void tell_of_splats(const ConvertResult& result, double step, ReconstructReport& report) {
+    const Mesh& mesh = result.dense.mesh;
+    const Topology found = topology(mesh.positions.size(), mesh.triangles);
     report.surface = Surface::kWatertight;
     report.method = Method::kOpacity;
-    report.reason = fmt::format("around Gaussian splats, on a grid of {:.3g}", step);
+    report.num_components = found.num_components;
+    report.num_splat_points = static_cast<Index>(result.cloud.size());
+    report.reason = fmt::format("around Gaussian splats, on a grid of {:.3g}; {} points of it",
+                                step, result.cloud.size());
 }
 
 // Given normals that contradict each other are worth nothing.
@@ -422,7 +428,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
                 is_given ? given_mesh(input) : reconstructed(result, options, context);
             result.dense = std::move(surface.surface);
             result.report.reconstruct = surface.report;
-            if (splat_step) tell_of_splats(result.report.reconstruct, *splat_step);
+            if (splat_step) tell_of_splats(result, *splat_step, result.report.reconstruct);
             estimate_unsure_normals(result, surface.unsure_normals, options.attributes, context);
             AttributesResult refined = refine_attributes(std::move(result.cloud), result.dense,
                                                          options.attributes, context);

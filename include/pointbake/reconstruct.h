@@ -21,8 +21,8 @@ struct EnumWords<Surface> {
 enum class Method { kAuto, kCocone, kTightCocone, kRobustCocone, kImplicit, kOpacity };
 template <>
 struct EnumWords<Method> {
-    static constexpr std::string_view words[] = {"auto", "cocone", "tight-cocone", "robust-cocone",
-                                                 "implicit", "opacity"};
+    static constexpr std::string_view words[] = {"auto",          "cocone",   "tight-cocone",
+                                                 "robust-cocone", "implicit", "opacity"};
 };
 
 enum class Thin { kAuto, kOff };
@@ -72,6 +72,7 @@ struct ReconstructReport {
     Index num_unused = 0;              ///< points that are no vertex of the surface, thinned or not
     Index num_turned_pieces = 0;       ///< of an open surface, by sensors or the file's normals
     Index num_holes_filled = 0;        ///< borders closed of an open surface
+    Index num_splat_points = 0;        ///< opacity: points that stand for the splats from there on
     Index num_split_vertices = 0;      ///< copies made so that the surface is 2-manifold
     double added_area_fraction = 0.0;  ///< share of the watertight surface that Cocone did not find
 };

@@ -37,13 +37,14 @@ struct CloudSummary {
     Quantiles spacing;  ///< distance of each point to its nearest neighbour
     std::vector<AttributeRange> attributes;
     Frame frame;
+    bool are_splats = false;  ///< elliptical, with opacities
 };
 
 /// O(n log n), a few seconds for ten million points.
 CloudSummary summarize(const PointCloud& cloud, const Context& context = {});
 
 /// What a conversion is expected to need at most, in bytes.
-std::uint64_t predicted_memory(std::uint64_t num_points);
+std::uint64_t predicted_memory(std::uint64_t num_points, bool are_splats);
 
 /// All that is known at the end of a conversion. Sections of stages after `last_stage` are left
 /// out.

@@ -6,20 +6,19 @@
 
 namespace pointbake {
 
-/// Whether the points are elliptical and have opacities, as Gaussian splats do.
-bool holds_splats(const PointCloud& cloud);
-
 struct SplatSurface {
     PointCloud cloud;  ///< a point per vertex, with its normal, colour and area; its row is that of
                        ///< the splat which shows most there
     Mesh mesh;         ///< closed 2-manifold, counter-clockwise seen from outside
-    double step = 0.0; ///< edge of the grid's cubes
+    double step = 0.0;  ///< edge of the grid's cubes
 };
 
-/// Where the splats make space half opaque, seen from outside. Colours are those that a look along
-/// the normal shows: splats composited from front to back [Kerbl23, eq. 3]. Small pieces are
-/// dropped. Throws Error{kDegenerate} where nothing is half opaque. The same for any number of
-/// threads. Linear in the splats and in the surface over step^2.
+/// Around what the splats make opaque, seen from outside, moved towards where they are seen in the
+/// mean and smoothed [Taubin95]. Colours are those that a look along the normal shows: splats
+/// composited from front to back [Kerbl23, eq. 3]. Pieces of less than a thousandth of the largest
+/// one are dropped. Throws Error{kDegenerate} where nothing is opaque. The same for any number of
+/// threads. Expects elliptical points with opacities. Linear in the splats and in the surface over
+/// step^2.
 SplatSurface splat_surface(const PointCloud& splats, const Context& context);
 
 }  // namespace pointbake

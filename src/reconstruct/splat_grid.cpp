@@ -12,13 +12,13 @@
 namespace pointbake {
 namespace {
 
-constexpr float kCut = 3.0F, kCut2 = kCut * kCut;  // in standard deviations
-constexpr double kThinnest = 0.6;                  // standard deviation, in steps
-constexpr float kOpaqueFrom = 0.5F;
+constexpr float kCut2 = kSplatCut * kSplatCut;
+constexpr double kThinnest = 0.6;  // standard deviation, in steps
+constexpr float kOpaqueFrom = 0.4F;
 constexpr float kEnclosed = -0.05F;  // value of free space that is not outside
-constexpr float kMostOpaque = 0.99F;
-constexpr int kClosing = 2;                     // steps
-constexpr std::size_t kMostCells = 1U << 24U;   // of the bricks' lattice
+constexpr int kClosing = 2;          // steps
+// Of the bricks' lattice: cells, those along an axis, those that splats reach, each for itself.
+constexpr double kMostCells = 1 << 24, kMostBricks = 1 << 15, kMostReached = 1 << 28;
 
 using Point = SplatGrid::Point;
 
@@ -27,7 +27,7 @@ constexpr std::array<Point, 6> kSteps{
 
 Point operator+(const Point& a, const Point& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
-/// Half the box around the ellipsoid at `kCut`.
+/// Half the box around the ellipsoid at the cut.
 Vec3d half_extent(const Splat& splat, float thinnest) {
     Vec3d half;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -36,7 +36,7 @@ Vec3d half_extent(const Splat& splat, float thinnest) {
             const float along = splat.axes[a][k] * std::max(splat.sigmas[a], thinnest);
             sum += along * along;
         }
-        half[k] = static_cast<double>(kCut * std::sqrt(sum));
+        half[k] = static_cast<double>(kSplatCut * std::sqrt(sum));
     }
     return half;
 }
@@ -61,22 +61,35 @@ struct SplatGrid::Reach {
 SplatGrid::SplatGrid(std::span<const Splat> splats, double step, const Context& context)
     : step_(step) {
     lay_out(splats);
+    check_cancelled(context);
     list_splats(splats);
     add_opacities(splats, context);
     block_near_opaque();
+    check_cancelled(context);
     flood();
     grow_outside();
+    check_cancelled(context);
 }
 
+// As fine as asked for, if that does not ask for too much.
 void SplatGrid::lay_out(std::span<const Splat> splats) {
     for (;; step_ *= 2.0) {
         const Box box = box_of(splats, static_cast<float>(kThinnest * step_));
         const double margin = kSide * step_;
         corner_ = box.low - Vec3d{margin, margin, margin};
         const Vec3d extent = box.extent() + Vec3d{margin, margin, margin} * 2.0;
-        double cells = 1.0;
-        for (std::size_t k = 0; k < 3; ++k) cells *= std::floor(extent[k] / margin) + 1.0;
-        if (cells > static_cast<double>(kMostCells)) continue;
+        double cells = 1.0, longest = 0.0, reached = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double count = std::floor(extent[k] / margin) + 1.0;
+            cells *= count;
+            longest = std::max(longest, count);
+        }
+        if (cells > kMostCells || longest > kMostBricks) continue;
+        for (const Splat& s : splats) {
+            const Vec3d half = half_extent(s, static_cast<float>(kThinnest * step_)) / margin;
+            reached += (2.0 * half.x + 2.0) * (2.0 * half.y + 2.0) * (2.0 * half.z + 2.0);
+        }
+        if (reached > kMostReached) continue;
         for (std::size_t k = 0; k < 3; ++k)
             bricks_[k] = static_cast<std::int32_t>(std::floor(extent[k] / margin)) + 1;
         return;
@@ -113,6 +126,10 @@ std::size_t SplatGrid::cell_of(const Point& p) const {
 
 std::size_t SplatGrid::slot_of(const Point& p) {
     return static_cast<std::size_t>(((p[2] % kSide) * kSide + p[1] % kSide) * kSide + p[0] % kSide);
+}
+
+SplatGrid::Point SplatGrid::point_of(std::size_t brick, std::int32_t slot) const {
+    return brick_points_[brick] + Point{slot % kSide, slot / kSide % kSide, slot / kSide / kSide};
 }
 
 SplatGrid::State SplatGrid::state(const Point& p) const {
@@ -168,40 +185,42 @@ std::span<const Index> SplatGrid::splats_near(Vec3d place) const {
                                       splats_begin_[brick + 1] - splats_begin_[brick]);
 }
 
+// Of one brick: takes from the light that passes its points what the splat stops.
+void SplatGrid::dim(const Splat& splat, const Point& origin,
+                    std::array<float, kBrickPoints>& passed) const {
+    const auto thinnest = static_cast<float>(kThinnest * step_);
+    std::array<Vec3f, 3> inverse;
+    for (std::size_t a = 0; a < 3; ++a)
+        inverse[a] = splat.axes[a] / std::max(splat.sigmas[a], thinnest);
+    const Reach reach = reach_of(splat);
+    Point first{}, last{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        first[k] = std::max(reach.first[k], origin[k]);
+        last[k] = std::min(reach.last[k], origin[k] + kSide - 1);
+    }
+    Point p{};
+    for (p[2] = first[2]; p[2] <= last[2]; ++p[2])
+        for (p[1] = first[1]; p[1] <= last[1]; ++p[1])
+            for (p[0] = first[0]; p[0] <= last[0]; ++p[0]) {
+                const Vec3d at = place({static_cast<double>(p[0]), static_cast<double>(p[1]),
+                                        static_cast<double>(p[2])});
+                const auto d = vec_cast<float>(at - splat.center);
+                float q = 0.0F;
+                for (const Vec3f& a : inverse) q += dot(a, d) * dot(a, d);
+                if (q < kCut2) passed[slot_of(p)] *= 1.0F - splat.opacity * gaussian(q);
+            }
+}
+
 void SplatGrid::add_opacities(std::span<const Splat> splats, const Context& context) {
     opacities_.assign(brick_points_.size() * kBrickPoints, 0.0F);
     states_.assign(opacities_.size(), kFree);
-    const auto thinnest = static_cast<float>(kThinnest * step_);
-    parallel_for(context, brick_points_.size(), 16, [&](std::size_t begin, std::size_t end) {
-        std::array<float, kBrickPoints> passed{};  // share of the light
+    constexpr std::size_t kGrain = 16;
+    parallel_for(context, brick_points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        std::array<float, kBrickPoints> passed{};
         for (std::size_t b = begin; b < end; ++b) {
             passed.fill(1.0F);
-            const Point origin = brick_points_[b];
-            for (Index i = splats_begin_[b]; i < splats_begin_[b + 1]; ++i) {
-                const Splat& s = splats[splats_[i]];
-                const Reach r = reach_of(s);
-                std::array<Vec3f, 3> inverse;
-                for (std::size_t a = 0; a < 3; ++a)
-                    inverse[a] = s.axes[a] / std::max(s.sigmas[a], thinnest);
-                Point first{}, last{};
-                for (std::size_t k = 0; k < 3; ++k) {
-                    first[k] = std::max(r.first[k], origin[k]);
-                    last[k] = std::min(r.last[k], origin[k] + kSide - 1);
-                }
-                const float opacity = std::min(s.opacity, kMostOpaque);
-                Point p{};
-                for (p[2] = first[2]; p[2] <= last[2]; ++p[2])
-                    for (p[1] = first[1]; p[1] <= last[1]; ++p[1])
-                        for (p[0] = first[0]; p[0] <= last[0]; ++p[0]) {
-                            const Vec3d at = place({static_cast<double>(p[0]),
-                                                    static_cast<double>(p[1]),
-                                                    static_cast<double>(p[2])});
-                            const auto d = vec_cast<float>(at - s.center);
-                            float q = 0.0F;
-                            for (const Vec3f& a : inverse) q += dot(a, d) * dot(a, d);
-                            if (q < kCut2) passed[slot_of(p)] *= 1.0F - opacity * gaussian(q);
-                        }
-            }
+            for (Index i = splats_begin_[b]; i < splats_begin_[b + 1]; ++i)
+                dim(splats[splats_[i]], brick_points_[b], passed);
             for (std::size_t i = 0; i < kBrickPoints; ++i) {
                 opacities_[b * kBrickPoints + i] = 1.0F - passed[i];
                 if (1.0F - passed[i] >= kOpaqueFrom) states_[b * kBrickPoints + i] = kOpaque;
@@ -224,8 +243,7 @@ std::vector<Point> SplatGrid::opaque_points() const {
     for (std::size_t b = 0; b < brick_points_.size(); ++b)
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(kBrickPoints); ++i)
             if (states_[b * kBrickPoints + static_cast<std::size_t>(i)] == kOpaque)
-                found.push_back(brick_points_[b] +
-                                Point{i % kSide, i / kSide % kSide, i / kSide / kSide});
+                found.push_back(point_of(b, i));
     return found;
 }
 
@@ -290,8 +308,7 @@ void SplatGrid::grow_outside() {
     for (std::size_t b = 0; b < brick_points_.size(); ++b)
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(kBrickPoints); ++i) {
             if (states_[b * kBrickPoints + static_cast<std::size_t>(i)] != kBlocked) continue;
-            const Point p =
-                brick_points_[b] + Point{i % kSide, i / kSide % kSide, i / kSide / kSide};
+            const Point p = point_of(b, i);
             if (std::any_of(kSteps.begin(), kSteps.end(), [&](const Point& step) {
                     return is_inside(p + step) && state(p + step) == kOutside;
                 }))
@@ -324,8 +341,7 @@ std::vector<Point> SplatGrid::mixed_cubes(const Context& context) const {
         std::vector<Point> found;
         for (std::size_t b = begin; b < end; ++b)
             for (std::int32_t i = 0; i < static_cast<std::int32_t>(kBrickPoints); ++i) {
-                const Point p =
-                    brick_points_[b] + Point{i % kSide, i / kSide % kSide, i / kSide / kSide};
+                const Point p = point_of(b, i);
                 bool has_inside = false, has_outside = false;
                 for (std::int32_t corner = 0; corner < 8; ++corner) {
                     const Point q = p + Point{corner & 1, corner >> 1 & 1, corner >> 2};

@@ -6,25 +6,18 @@
 #include <span>
 #include <vector>
 
+#include "core/splat.h"
 #include "pointbake/context.h"
 #include "pointbake/types.h"
 
 namespace pointbake {
-
-/// A Gaussian of unit amplitude times its opacity.
-struct Splat {
-    Vec3d center;
-    std::array<Vec3f, 3> axes;     ///< unit, at right angles
-    std::array<float, 3> sigmas;   ///< standard deviations along them, above 0
-    float opacity = 0.0F;          ///< 0 to 1
-};
 
 /// Immutable. Points of the lattice are told by their coordinates in steps, from 0 on.
 class SplatGrid {
  public:
     using Point = std::array<std::int32_t, 3>;
 
-    /// The step is doubled until the splats' extent is at most 2 000 steps a side, roughly.
+    /// The step is doubled while the splats' extent is more than some 2 000 steps a side.
     SplatGrid(std::span<const Splat> splats, double step, const Context& context);
 
     double step() const { return step_; }
@@ -32,9 +25,9 @@ class SplatGrid {
     Point size() const;
     Vec3d place(Vec3d point) const { return corner_ + point * step_; }
 
-    /// One half less the opacity where that is above one half or the point is outside: where free
-    /// space hangs together with that around all splats, through gaps wider than four steps. Below
-    /// 0 everywhere else. Splats are not thinner here than 0.6 steps.
+    /// Above 0 outside: where the opacity is less than 0.4 and space hangs together with that
+    /// around all splats, through gaps wider than four steps. Linear in the opacity where that is
+    /// more, too. Splats are not thinner here than 0.6 steps.
     float value(const Point& point) const;
     /// The lower corners of the lattice's cubes whose corners have values of both signs, in an
     /// order of their places.
@@ -53,9 +46,12 @@ class SplatGrid {
     bool is_inside(const Point& p) const;
     std::size_t cell_of(const Point& p) const;
     static std::size_t slot_of(const Point& p);
+    Point point_of(std::size_t brick, std::int32_t slot) const;
     State state(const Point& p) const;
     void lay_out(std::span<const Splat> splats);
     void list_splats(std::span<const Splat> splats);
+    void dim(const Splat& splat, const Point& origin,
+             std::array<float, kBrickPoints>& passed) const;
     void add_opacities(std::span<const Splat> splats, const Context& context);
     std::vector<Point> opaque_points() const;
     void block_near_opaque();
@@ -64,10 +60,10 @@ class SplatGrid {
 
     double step_;
     Vec3d corner_;
-    Point bricks_{};                 ///< per axis
-    std::vector<Index> brick_of_;    ///< per cell of the bricks' lattice; kInvalidIndex = no splats
-    std::vector<std::uint8_t> is_outside_;  ///< the same, of cells without splats
-    std::vector<Point> brick_points_;       ///< per brick: its first point
+    Point bricks_{};               ///< per axis
+    std::vector<Index> brick_of_;  ///< per cell of the bricks' lattice; kInvalidIndex = no splats
+    std::vector<std::uint8_t> is_outside_;      ///< the same, of cells without splats
+    std::vector<Point> brick_points_;           ///< per brick: its first point
     std::vector<Index> splats_begin_, splats_;  ///< per brick
     std::vector<float> opacities_;              ///< per brick and point
     std::vector<State> states_;

@@ -1,14 +1,13 @@
-#include "pointbake/splats.h"
-
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <span>
 
 #include "core/kernel.h"
 #include "core/message.h"
 #include "core/parallel.h"
 #include "core/union_find.h"
 #include "pointbake/error.h"
+#include "pointbake/splats.h"
 #include "reconstruct/contour.h"
 #include "reconstruct/splat_grid.h"
 
@@ -16,37 +15,36 @@ namespace pointbake {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-constexpr double kStepOverSigma = 1.0;  // of the splats' median second standard deviation
-constexpr float kThin = 0.1F;           // third standard deviation over the second, of flat splats
+constexpr double kStepOverSigma = 3.0;  // of the splats' median second standard deviation
 constexpr double kLeastPiece = 1e-3;    // of the largest one's triangles
 // A look along the normal begins and ends so many steps before and behind the surface.
 constexpr double kBefore = 3.0, kBehind = 6.0;
+constexpr int kSmoothings = 10;
+constexpr double kSunk = 0.7;      // of the depth
+constexpr double kMostSunk = 1.5;  // steps
 constexpr float kLeastSeen = 1.0F / 255.0F, kDark = 0.01F;
-constexpr float kCut2 = 9.0F;
+constexpr float kCut2 = kSplatCut * kSplatCut;
 
-Splat splat_of(const PointCloud& cloud, std::size_t i) {
-    Splat out;
-    out.center = cloud.positions[i];
-    const Vec3f u = cloud.axes[i].u, v = cloud.axes[i].v;
-    out.sigmas = {length(u), length(v), 0.0F};
-    out.axes[0] = u / out.sigmas[0];
-    out.axes[1] = v / out.sigmas[1];
-    out.axes[2] = cross(out.axes[0], out.axes[1]);
-    const bool is_flat = !(cloud.normals[i] == Vec3f{});
-    out.sigmas[2] = out.sigmas[1] * (is_flat ? kThin : 1.0F);
-    out.opacity = cloud.weights[i];
+/// Those with any opacity.
+struct Splats {
+    std::vector<Splat> items;
+    std::vector<Index> points;  ///< of the cloud
+};
+
+Splats splats_of(const PointCloud& cloud) {
+    Splats out;
+    for (Index i = 0; i < cloud.size(); ++i) {
+        const Splat splat = splat_of(cloud, i);
+        if (splat.opacity > 0.0F) out.items.push_back(splat), out.points.push_back(i);
+    }
+    if (out.items.empty())
+        fail(ErrorCode::kDegenerate, "none of the {} splats has any opacity", cloud.size());
     return out;
-}
-
-std::vector<Splat> splats_of(const PointCloud& cloud) {
-    std::vector<Splat> splats(cloud.size());
-    for (std::size_t i = 0; i < splats.size(); ++i) splats[i] = splat_of(cloud, i);
-    return splats;
 }
 
 double median_size(const std::vector<Splat>& splats) {
     std::vector<float> sizes;
-    for (const Splat& s : splats) sizes.push_back(s.sigmas[1]);
+    for (const Splat& s : splats) sizes.push_back(std::min(s.sigmas[0], s.sigmas[1]));
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
     return static_cast<double>(*middle);
@@ -80,9 +78,7 @@ class Contouring {
         constexpr int kMostCubes = 7;
         const SplatGrid::Point size = field.size();
         int level = 0;  // 2^level steps a cube
-        const auto cubes = [&](std::size_t k) {
-            return static_cast<int>((size[k] >> level) + 1);
-        };
+        const auto cubes = [&](std::size_t k) { return static_cast<int>((size[k] >> level) + 1); };
         while (std::max({cubes(0), cubes(1), cubes(2)}) > kMostCubes) ++level;
         units = SimplexGrid::kCubeUnits >> level;
         return SimplexGrid(field.place({0.0, 0.0, 0.0}), std::ldexp(field.step(), level),
@@ -124,8 +120,8 @@ class Contouring {
         const auto at_outside = static_cast<double>(values_[v.outside]);
         if (!v.is_snapped()) {
             const auto at_inside = static_cast<double>(values_[v.inside]);
-            return outside + (grid_.place(v.inside) - outside) *
-                                 (at_outside / (at_outside - at_inside));
+            return outside +
+                   (grid_.place(v.inside) - outside) * (at_outside / (at_outside - at_inside));
         }
         constexpr double kMostMoved = 0.3;  // steps
         const Vec3d gradient = gradient_at(grid_.point(v.outside));
@@ -158,39 +154,43 @@ Mesh without_crumbs(const Mesh& mesh) {
         out.positions.push_back(mesh.positions[v]);
     }
     for (const Triangle& t : mesh.triangles)
-        if (rank[t[0]] != kInvalidIndex) out.triangles.push_back({rank[t[0]], rank[t[1]], rank[t[2]]});
+        if (rank[t[0]] != kInvalidIndex)
+            out.triangles.push_back({rank[t[0]], rank[t[1]], rank[t[2]]});
     return out;
 }
 
 /// Looks at the splats along normals.
 class Viewer {
  public:
-    Viewer(const PointCloud& cloud, const std::vector<Splat>& splats, const SplatGrid& grid)
+    Viewer(const PointCloud& cloud, const Splats& splats, const SplatGrid& grid)
         : cloud_(cloud), splats_(splats), grid_(grid) {}
 
     struct View {
         Rgb16 color{};
-        Index splat = kInvalidIndex;  ///< that shows most; none = nothing is seen
+        Index point = kInvalidIndex;  ///< that shows most; none = nothing is seen
+        float depth = 0.0F;           ///< mean of what shows, behind the place
     };
     View from_outside(Vec3d place, Vec3f normal) {
         find_hits(place, normal);
         std::sort(hits_.begin(), hits_.end());
         Vec3f sum;
-        float passed = 1.0F, most = 0.0F;
+        float passed = 1.0F, most = 0.0F, depth = 0.0F;
         View view;
         for (const Hit& hit : hits_) {
             const float shown = passed * hit.opacity;
             if (!cloud_.colors.empty()) {
-                const Rgb16 c = cloud_.colors[hit.splat];
+                const Rgb16 c = cloud_.colors[splats_.points[hit.splat]];
                 sum += Vec3f{static_cast<float>(c.r), static_cast<float>(c.g),
                              static_cast<float>(c.b)} *
                        shown;
             }
-            if (shown > most) most = shown, view.splat = hit.splat;
+            depth += hit.depth * shown;
+            if (shown > most) most = shown, view.point = splats_.points[hit.splat];
             passed *= 1.0F - hit.opacity;
             if (passed < kDark) break;
         }
         if (passed < 1.0F) {
+            view.depth = depth / (1.0F - passed);
             const Vec3f mean = sum / (1.0F - passed);
             const auto rounded = [](float x) { return static_cast<std::uint16_t>(x + 0.5F); };
             view.color = {rounded(mean.x), rounded(mean.y), rounded(mean.z)};
@@ -214,7 +214,7 @@ class Viewer {
         const auto first = static_cast<float>(-kBefore * grid_.step()),
                    last = static_cast<float>(kBehind * grid_.step());
         for (const Index i : grid_.splats_near(place)) {
-            const Splat& s = splats_[i];
+            const Splat& s = splats_.items[i];
             const auto from = vec_cast<float>(place - s.center);
             float aa = 0.0F, ab = 0.0F, bb = 0.0F;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -224,13 +224,13 @@ class Viewer {
             }
             const float depth = -ab / aa, q = std::max(bb - ab * ab / aa, 0.0F);
             if (!(depth >= first && depth <= last && q < kCut2)) continue;
-            const float opacity = std::min(s.opacity * gaussian(q), 0.99F);
+            const float opacity = s.opacity * gaussian(q);
             if (opacity >= kLeastSeen) hits_.push_back({depth, i, opacity});
         }
     }
 
     const PointCloud& cloud_;
-    const std::vector<Splat>& splats_;
+    const Splats& splats_;
     const SplatGrid& grid_;
     std::vector<Hit> hits_;
 };
@@ -254,32 +254,61 @@ void measure_vertices(SplatSurface& out) {
     out.cloud.given_normals.assign(x.size(), 1);
 }
 
+/// Moves each value towards the mean of those around it, by a share of the way.
+template <class T>
+void average_in_place(std::vector<T>& values, std::span<const Triangle> triangles, double share) {
+    std::vector<T> sums(values.size(), T{});
+    std::vector<double> counts(values.size(), 0.0);
+    for (const Triangle& t : triangles)
+        for (std::size_t k = 0; k < 3; ++k) sums[t[k]] += values[t[(k + 1) % 3]], ++counts[t[k]];
+    for (std::size_t v = 0; v < values.size(); ++v)
+        values[v] += (sums[v] / counts[v] - values[v]) * share;
+}
+
+/// The surface lies before the middle of the splats, by half a thickness of them and more.
+void sink_in_place(SplatSurface& out, std::vector<double> depths) {
+    for (int round = 0; round < kSmoothings; ++round)
+        average_in_place(depths, out.mesh.triangles, 0.5);
+    for (std::size_t v = 0; v < depths.size(); ++v)
+        out.mesh.positions[v] -= vec_cast<double>(out.cloud.normals[v]) * (kSunk * depths[v]);
+    // [Taubin95]: rough, but not smaller.
+    for (int round = 0; round < kSmoothings; ++round) {
+        average_in_place(out.mesh.positions, out.mesh.triangles, 0.5);
+        average_in_place(out.mesh.positions, out.mesh.triangles, -0.53);
+    }
+    out.cloud.positions = out.mesh.positions;
+    measure_vertices(out);
+}
+
 }  // namespace
 
-bool holds_splats(const PointCloud& cloud) { return !cloud.axes.empty() && !cloud.weights.empty(); }
-
 SplatSurface splat_surface(const PointCloud& cloud, const Context& context) {
-    const std::vector<Splat> splats = splats_of(cloud);
-    const SplatGrid grid(splats, kStepOverSigma * median_size(splats), context);
+    const Splats splats = splats_of(cloud);
+    const SplatGrid grid(splats.items, kStepOverSigma * median_size(splats.items), context);
     SplatSurface out;
     out.step = grid.step();
-    out.mesh = without_crumbs(Contouring(grid, context).run());
-    if (out.mesh.triangles.empty())
-        fail(ErrorCode::kDegenerate, "the {} splats are nowhere half opaque", cloud.size());
+    const Mesh contour = Contouring(grid, context).run();
+    if (contour.triangles.empty())
+        fail(ErrorCode::kDegenerate, "the {} splats are nowhere opaque enough for a surface",
+             cloud.size());
+    out.mesh = without_crumbs(contour);
     const std::size_t n = out.mesh.positions.size();
     out.cloud.positions = out.mesh.positions;
     measure_vertices(out);
     out.cloud.rows.resize(n);
+    std::vector<double> depths(n);
     if (!cloud.colors.empty()) out.cloud.colors.resize(n);
     parallel_for(context, n, kGrain, [&](std::size_t begin, std::size_t end) {
         Viewer viewer(cloud, splats, grid);
         for (std::size_t v = begin; v < end; ++v) {
             const Viewer::View view =
                 viewer.from_outside(out.mesh.positions[v], out.cloud.normals[v]);
+            depths[v] = std::clamp(static_cast<double>(view.depth), 0.0, kMostSunk * grid.step());
             if (!cloud.colors.empty()) out.cloud.colors[v] = view.color;
-            out.cloud.rows[v] = view.splat == kInvalidIndex ? 0 : cloud.rows[view.splat];
+            out.cloud.rows[v] = cloud.rows[view.point == kInvalidIndex ? 0 : view.point];
         }
     });
+    sink_in_place(out, depths);
     out.cloud.frame = cloud.frame;
     out.cloud.num_rows = cloud.num_rows;
     out.cloud.dropped = cloud.dropped;

@@ -7,7 +7,9 @@
 #include "core/kdtree.h"
 #include "core/kernel.h"
 #include "core/parallel.h"
+#include "core/splat.h"
 #include "render/canvas.h"
+#include "render/render_splats.h"
 
 namespace pointbake {
 namespace {
@@ -55,7 +57,7 @@ std::vector<float> radii_of(const PointCloud& cloud, const Context& context) {
 }
 
 // A point on the picture. Its disc says what is covered, its Gaussian how much it counts.
-struct Splat {
+struct Disc {
     Vec3d center;             // x, y and depth in pixels
     Vec2d slope;              // of the depth over the picture
     double radius = 0.0;      // of the disc
@@ -79,7 +81,7 @@ Vec3f color_of(const PointCloud& cloud, std::size_t p, const Vec3d& normal) {
 
 // V = J J^T + the screen filter, J the tangent axes on the picture [Zwicker01].
 void set_gaussian(const PointCloud& cloud, std::size_t p, const Camera& camera, const Vec3d& normal,
-                  const Kernel& kernel, Splat& s) {
+                  const Kernel& kernel, Disc& s) {
     double xx = kLowPass, xy = 0.0, yy = kLowPass;
     if (!cloud.axes.empty()) {
         for (const Vec3f& axis : {cloud.axes[p].u, cloud.axes[p].v}) {
@@ -103,10 +105,10 @@ void set_gaussian(const PointCloud& cloud, std::size_t p, const Camera& camera, 
     s.reach_y = static_cast<double>(kernel.cut) * std::sqrt(yy);
 }
 
-Splat splat_of(const PointCloud& cloud, std::size_t p, double radius, const Camera& camera,
-               const Kernel& kernel) {
+Disc disc_of(const PointCloud& cloud, std::size_t p, double radius, const Camera& camera,
+             const Kernel& kernel) {
     const Vec3d normal = facing_normal(cloud.normals.empty() ? Vec3f{} : cloud.normals[p], camera);
-    Splat s;
+    Disc s;
     s.center = camera.project(cloud.positions[p]);
     const double facing = std::max(normal.z, kMinFacing);
     s.slope = {-normal.x / facing, -normal.y / facing};
@@ -118,7 +120,7 @@ Splat splat_of(const PointCloud& cloud, std::size_t p, double radius, const Came
 
 // Calls visit(row, column, dx, dy, depth) for the samples of a band in a box around the centre.
 template <class Visit>
-void for_samples(const Splat& s, double reach_x, double reach_y, const Band& band, Visit&& visit) {
+void for_samples(const Disc& s, double reach_x, double reach_y, const Band& band, Visit&& visit) {
     const auto [first, last] = band.rows_between(s.center.y - reach_y, s.center.y + reach_y);
     const auto [begin, end] = band.columns_between(s.center.x - reach_x, s.center.x + reach_x);
     for (int row = first; row < last; ++row)
@@ -129,7 +131,7 @@ void for_samples(const Splat& s, double reach_x, double reach_y, const Band& ban
         }
 }
 
-void cover(const Splat& s, Index id, Band& band) {
+void cover(const Disc& s, Index id, Band& band) {
     for_samples(s, s.radius, s.radius, band,
                 [&](int row, int column, double x, double y, double z) {
                     if (x * x + y * y + z * z <= s.radius * s.radius)
@@ -138,7 +140,7 @@ void cover(const Splat& s, Index id, Band& band) {
 }
 
 // Front sheet: no farther behind the nearest disc than one radius.
-void add(const Splat& s, const Kernel& kernel, Band& band, std::vector<float>& weights) {
+void add(const Disc& s, const Kernel& kernel, Band& band, std::vector<float>& weights) {
     for_samples(s, s.reach_x, s.reach_y, band,
                 [&](int row, int column, double x, double y, double z) {
                     const double q = s.qxx * x * x + 2.0 * s.qxy * x * y + s.qyy * y * y;
@@ -155,17 +157,18 @@ void add(const Splat& s, const Kernel& kernel, Band& band, std::vector<float>& w
 }  // namespace
 
 Image render_points(const PointCloud& cloud, const View& view, const Context& context) {
+    if (holds_splats(cloud)) return render::render_splats(cloud, view, context);
     const Camera camera(view, cloud.positions);
     std::vector<float> radii = radii_of(cloud, context);
     limit_in_place(radii);
     const Kernel kernel;
-    std::vector<Splat> splats(cloud.size());
+    std::vector<Disc> discs(cloud.size());
     std::vector<RowRange> ranges(cloud.size());
     constexpr std::size_t kGrain = 16384;
     parallel_for(context, cloud.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
-            const Splat& s = splats[p] =
-                splat_of(cloud, p, static_cast<double>(radii[p]), camera, kernel);
+            const Disc& s = discs[p] =
+                disc_of(cloud, p, static_cast<double>(radii[p]), camera, kernel);
             const double reach = std::max(s.radius, s.reach_y);
             ranges[p] = {static_cast<float>(s.center.y - reach),
                          static_cast<float>(s.center.y + reach)};
@@ -175,12 +178,12 @@ Image render_points(const PointCloud& cloud, const View& view, const Context& co
         view, ranges,
         [&](std::span<const Index> points, Band& band) {
             std::vector<float> weights(band.id.size());
-            for (const Index p : points) cover(splats[p], p, band);
-            for (const Index p : points) add(splats[p], kernel, band, weights);
+            for (const Index p : points) cover(discs[p], p, band);
+            for (const Index p : points) add(discs[p], kernel, band, weights);
             for (std::size_t k = 0; k < weights.size(); ++k) {
                 if (band.id[k] == kInvalidIndex) continue;
                 band.color[k] = weights[k] > 0.0F ? band.color[k] * (1.0F / weights[k])
-                                                  : splats[band.id[k]].color;
+                                                  : discs[band.id[k]].color;
             }
         },
         context);

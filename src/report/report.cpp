@@ -92,6 +92,7 @@ Json to_json(const ReconstructReport& r) {
             {"thinned_points", r.num_thinned},
             {"left_out_points", r.num_left_out},
             {"unused_points", r.num_unused},
+            {"splat_points", r.num_splat_points},
             {"split_vertices", r.num_split_vertices},
             {"added_area_fraction", r.added_area_fraction}};
 }
@@ -249,7 +250,7 @@ std::string info_json(std::string_view file, const LoadReport& load, const Cloud
     json["diagonal"] = cloud.box.diagonal();
     json["spacing"] = to_json(cloud.spacing);
     json["attributes"] = attributes;
-    json["predicted_memory"] = predicted_memory(cloud.num_points);
+    json["predicted_memory"] = predicted_memory(cloud.num_points, cloud.are_splats);
     return dumped(json);
 }
 

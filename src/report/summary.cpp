@@ -3,14 +3,16 @@
 
 #include "core/kdtree.h"
 #include "core/parallel.h"
+#include "core/splat.h"
 #include "pointbake/report.h"
 
 namespace pointbake {
 namespace {
 
 // What a whole conversion takes at its peak, measured on scans (docs/reliability.md).
-constexpr std::uint64_t kBytesPerPoint = 1500;
-constexpr std::uint64_t kBytesAtLeast = 100'000'000;
+constexpr std::uint64_t kBytesPerPoint = 1500, kBytesAtLeast = 100'000'000;
+// Several points of a surface come from a splat.
+constexpr std::uint64_t kBytesPerSplat = 6000, kBytesOfSplatsAtLeast = 200'000'000;
 
 constexpr std::size_t kQueriesPerChunk = 4096;  // some milliseconds of nearest-neighbour queries
 
@@ -119,10 +121,12 @@ CloudSummary summarize(const PointCloud& cloud, const Context& context) {
     add_scalars(out, "weights", "", cloud.weights, 1);
     for (const Channel& channel : cloud.channels)
         add_scalars(out, channel.name, channel.unit, channel.data, channel.num_components);
+    summary.are_splats = holds_splats(cloud);
     return summary;
 }
 
-std::uint64_t predicted_memory(std::uint64_t num_points) {
+std::uint64_t predicted_memory(std::uint64_t num_points, bool are_splats) {
+    if (are_splats) return kBytesOfSplatsAtLeast + kBytesPerSplat * num_points;
     return kBytesAtLeast + kBytesPerPoint * num_points;
 }
 

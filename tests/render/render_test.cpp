@@ -309,6 +309,29 @@ TEST(Render, DoesNotDependOnWhereTheModelIs) {
     EXPECT_LT(changed, 60U);  // samples on an outline may fall to the other side
 }
 
+TEST(Render, SplatsAreLaidOverEachOtherInDisplayCodes) {
+    PointCloud cloud;
+    for (const double z : {0.0, 1.0}) shapes::add_point(cloud, {0, 0, z}, {0, 0, 1});
+    shapes::make_splats(cloud, 0.2F, 0.5F);
+    cloud.colors = {{0, 65535, 0}, {65535, 0, 0}};
+    View view = kFront;
+    view.box.extend({-1, -1, 0});
+    view.box.extend({1, 1, 1});
+    // Red in front stops half, green half of the rest: 0.5 and 0.25 of 0.75.
+    const std::array<int, 3> center = pixel(render_points(cloud, view), 128, 128);
+    EXPECT_NEAR(center[0], 170, 2);
+    EXPECT_NEAR(center[1], 85, 2);
+    view.direction = {0, 0, -1};
+    EXPECT_NEAR(pixel(render_points(cloud, view), 128, 128)[1], 170, 2);
+    // By half or more: 1 - 0.5^2 in the middle; less than half a standard deviation and a bit away.
+    const Image image = render_points(cloud, view);
+    const double scale = 256 / view.box.diagonal();
+    const auto half_covered =
+        static_cast<int>(scale * 0.2 * std::sqrt(2 * std::log(0.5 / (1 - std::sqrt(0.5)))));
+    EXPECT_NE(pixel(image, 128 + half_covered - 2, 128), kBackground);
+    EXPECT_EQ(pixel(image, 128 + half_covered + 2, 128), kBackground);
+}
+
 TEST(Render, IsTheSameForAnyNumberOfThreads) {
     Context one, seven;
     one.threads = 1;
@@ -317,6 +340,9 @@ TEST(Render, IsTheSameForAnyNumberOfThreads) {
     const PointCloud cloud = shapes::torus_cloud(2000);
     EXPECT_EQ(render_mesh(mesh, true, {}, one).pixels, render_mesh(mesh, true, {}, seven).pixels);
     EXPECT_EQ(render_points(cloud, {}, one).pixels, render_points(cloud, {}, seven).pixels);
+    PointCloud splats = cloud;
+    shapes::make_splats(splats, 0.05F, 0.6F);
+    EXPECT_EQ(render_points(splats, {}, one).pixels, render_points(splats, {}, seven).pixels);
 }
 
 TEST(Render, StopsWhenCancelled) {

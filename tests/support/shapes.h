@@ -51,6 +51,17 @@ inline PointCloud sphere_cloud(std::uint64_t n, double noise = 0.0, double radiu
     return cloud;
 }
 
+/// Gives all points, which have normals, circular axes of a standard deviation and an opacity.
+inline void make_splats(PointCloud& cloud, float sigma, float opacity) {
+    cloud.axes.clear();
+    for (const Vec3f& n : cloud.normals) {
+        const Vec3f aside = std::abs(n.x) < 0.7F ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0};
+        const Vec3f across = cross(n, aside), u = across / length(across);
+        cloud.axes.push_back({u * sigma, cross(n, u) * sigma});
+    }
+    cloud.weights.assign(cloud.size(), opacity);
+}
+
 /// The half of the unit sphere with y >= 0: open, one boundary loop (at y = 0).
 inline PointCloud half_sphere_cloud(std::uint64_t n, double noise = 0.0) {
     PointCloud cloud;
