@@ -22,8 +22,9 @@ struct Splat {
 /// Whether the points are elliptical and have opacities.
 bool holds_splats(const PointCloud& cloud);
 
-/// Of a cloud that holds splats. The third axis, which clouds do not keep, is a tenth of the shorter
-/// one where the point has a normal, else as long. Without opacity where the axes span no area.
+/// Of a cloud that holds splats. The third axis, which clouds do not keep, is a tenth of the
+/// shorter one where the point has a normal, else as long. Without opacity where the axes span no
+/// area.
 Splat splat_of(const PointCloud& cloud, std::size_t point);
 
 }  // namespace pointbake

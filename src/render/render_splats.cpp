@@ -40,7 +40,8 @@ Blot blot_of(const PointCloud& cloud, std::size_t p, const Camera& camera) {
     out.center = camera.project(splat.center);
     double xx = kLowPass, xy = 0.0, yy = kLowPass;
     for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3d a = camera.turn(vec_cast<double>(splat.axes[k] * splat.sigmas[k])) * camera.scale;
+        const Vec3d a =
+            camera.turn(vec_cast<double>(splat.axes[k] * splat.sigmas[k])) * camera.scale;
         xx += a.x * a.x, xy += a.x * a.y, yy += a.y * a.y;
     }
     const double det = xx * yy - xy * xy;

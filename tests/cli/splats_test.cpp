@@ -54,9 +54,9 @@ TEST_F(Splats, BecomeAWatertightSurfaceAroundThem) {
 }
 
 TEST_F(Splats, AreJoinedAsPointsWhereThatIsAskedFor) {
-    for (const std::vector<std::string>& asked :
-         {std::vector<std::string>{"--surface", "open"}, {"--method", "implicit"},
-          {"--denoise", "on"}}) {
+    for (const std::vector<std::string>& asked : {std::vector<std::string>{"--surface", "open"},
+                                                  {"--method", "implicit"},
+                                                  {"--denoise", "on"}}) {
         std::vector<std::string> words{"ball.splat", "ball.glb"};
         words.insert(words.end(), asked.begin(), asked.end());
         const ProgramRun done = run(words);

@@ -28,8 +28,7 @@ void append(PointCloud& cloud, const PointCloud& more) {
 PointCloud splat_sphere(std::uint64_t n, double radius = 1.0, Rgb16 color = kRed,
                         float opacity = 0.9F) {
     PointCloud cloud = shapes::sphere_cloud(n, 0.0, radius);
-    const double spacing =
-        radius * std::sqrt(4.0 * std::numbers::pi / static_cast<double>(n));
+    const double spacing = radius * std::sqrt(4.0 * std::numbers::pi / static_cast<double>(n));
     shapes::make_splats(cloud, static_cast<float>(0.7 * spacing), opacity);
     cloud.colors.assign(cloud.size(), color);
     return cloud;
@@ -102,8 +101,8 @@ TEST(SplatSurface, MixesWhatShowsThrough) {
 }
 
 TEST(SplatSurface, IsNotEnteredThroughSmallGaps) {
-    // Without the splats of a cap as wide as three steps the sphere is closed; through a wide one
-    // its inside is outside, too: the shell has two sides.
+    // Splats reach into the gap that a cap leaves: of one six steps wide some three stay open, and
+    // that is closed. Through a wide one the inside is outside, too: the shell has two sides.
     const auto area_without = [](double width) {
         const PointCloud whole = splat_sphere(4000);
         PointCloud splats;
@@ -119,7 +118,7 @@ TEST(SplatSurface, IsNotEnteredThroughSmallGaps) {
         return area_of(splat_surface(splats, {}).cloud);
     };
     const double step = splat_surface(splat_sphere(4000), {}).step;
-    EXPECT_LT(area_without(3.0 * step), 1.2 * 4.0 * std::numbers::pi);
+    EXPECT_LT(area_without(6.0 * step), 1.2 * 4.0 * std::numbers::pi);
     EXPECT_GT(area_without(14.0 * step), 1.6 * 4.0 * std::numbers::pi);
 }
 
@@ -150,8 +149,7 @@ TEST(SplatSurface, IsTheSameForAnyNumberOfThreads) {
 TEST(SplatSurface, OfOneSplatIsABlob) {
     PointCloud splats = splat_sphere(1);
     const SplatSurface found = splat_surface(splats, {});
-    EXPECT_TRUE(
-        topology(found.mesh.positions.size(), found.mesh.triangles).is_closed_manifold());
+    EXPECT_TRUE(topology(found.mesh.positions.size(), found.mesh.triangles).is_closed_manifold());
 }
 
 TEST(SplatSurface, NothingOpaqueIsRefused) {
@@ -172,6 +170,16 @@ TEST(SplatSurface, OfScatteredSplatsIsCoarseInsteadOfHuge) {
     EXPECT_GT(found.step, 100.0);
 }
 
+TEST(SplatSurface, SplatsWithoutANormalAreAsThickAsWide) {
+    PointCloud cloud = splat_sphere(1);
+    const Splat flat = splat_of(cloud, 0);
+    EXPECT_FLOAT_EQ(flat.sigmas[2], 0.1F * flat.sigmas[1]);
+    EXPECT_NEAR(std::abs(dot(flat.axes[2], cloud.normals[0])), 1.0, 1e-6);
+    cloud.normals[0] = {};
+    const Splat blob = splat_of(cloud, 0);
+    EXPECT_FLOAT_EQ(blob.sigmas[2], blob.sigmas[1]);
+}
+
 TEST(SplatGrid, IsBelowZeroInsideAndAboveOutside) {
     const PointCloud cloud = splat_sphere(4000);
     std::vector<Splat> splats;
@@ -181,9 +189,8 @@ TEST(SplatGrid, IsBelowZeroInsideAndAboveOutside) {
     for (std::int32_t z = 0; z < size[2]; ++z)
         for (std::int32_t y = 0; y < size[1]; ++y)
             for (std::int32_t x = 0; x < size[0]; ++x) {
-                const double r = length(grid.place({static_cast<double>(x),
-                                                    static_cast<double>(y),
-                                                    static_cast<double>(z)}));
+                const double r = length(grid.place(
+                    {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}));
                 if (std::abs(r - 1.0) < 2.0 * grid.step()) continue;
                 ASSERT_EQ(grid.value({x, y, z}) < 0.0F, r < 1.0) << r;
             }
