@@ -3,6 +3,7 @@
 
 usage: gallery.py clouds PROGRAM FOLDER      five real clouds: points, mesh, triangles -> docs/pictures/gallery-NAME.png
        gallery.py figure7 PROGRAM FOLDER     the demo model at four budgets, both projections -> docs/pictures/figure7.png
+       gallery.py splats PROGRAM FOLDER      the demo model as Gaussian splats, and its mesh -> docs/pictures/splats.png
        gallery.py lettering PROGRAM FOLDER   points, baseline, pointbake -> docs/pictures/lettering.png, tablet.png
 
 FOLDER gets the models, which are made once, and stays out of the repository. The clouds lie beside the checkout (../shared/data, or
@@ -100,6 +101,42 @@ def add_normals(program, cloud, out):
     o3d.io.write_point_cloud(out, points)
 
 
+def demo_splats(cloud, path):
+    """A .splat (y down) with what trained models have: flat splats that overlap, some faint, off the surface by noise."""
+    import numpy as np
+    import open3d as o3d
+    from scipy.spatial import cKDTree
+    points = o3d.io.read_point_cloud(cloud)
+    random, x, normals = np.random.default_rng(1), np.asarray(points.points), np.asarray(points.normals)
+    spacing = cKDTree(x).query(x, 7)[0][:, 6:] / 1.3
+    n = len(x)
+    rows = np.zeros(n, [("x", "<f4", 3), ("sigmas", "<f4", 3), ("rgba", "u1", 4), ("wxyz", "u1", 4)])
+    down = np.array([1.0, -1.0, -1.0])
+    rows["x"] = (x + normals * spacing * random.normal(0, 0.2, (n, 1))) * down
+    rows["sigmas"] = spacing * np.array([0.7, 0.6, 0.06]) * random.uniform(0.7, 1.4, (n, 1))
+    rows["rgba"][:, :3] = np.round(255 * np.asarray(points.colors))
+    rows["rgba"][:, 3] = 255 * random.uniform(0.3, 1.0, n)
+    # The turn that takes z to the normal: about z x normal, by half ways.
+    half = normals * down + np.array([0.0, 0.0, 1.0 + 1e-9])
+    half /= np.linalg.norm(half, axis=1, keepdims=True)
+    wxyz = np.column_stack([half[:, 2], -half[:, 1], half[:, 0], np.zeros(n)])
+    rows["wxyz"] = np.clip(np.round(128 * wxyz + 128), 0, 255)
+    rows.tofile(path)
+
+
+def splats(program, folder):
+    cloud, with_normals = (os.path.join(folder, "demo" + end) for end in ("-points.ply", "-normals.ply"))
+    file, model = os.path.join(folder, "demo.splat"), os.path.join(folder, "splats.glb")
+    make(cloud, program, "demo", os.path.join(folder, "demo.glb"), "-q")
+    if not os.path.exists(file):
+        add_normals(program, cloud, with_normals)
+        demo_splats(with_normals, file)
+    make(model, program, file, model, "-q")
+    save(render(program, [file, model], os.path.join(folder, "splats.png"), "0.55,0.45,1", "0,1,0", "1.38", 480, 400,
+                "--wires"), "splats.png")
+    print(run(os.path.join(HERE, "measure.py"), "views", file, model, program).strip())
+
+
 def three_pictures(program, folder, cloud, with_normals, texels, name, size, zoom):
     """Points, baseline and pointbake, all at 2500 triangles and the same budget of texels."""
     budget = ["--triangles", 2500, "--texels", texels]
@@ -132,7 +169,7 @@ def lettering(program, folder):
 
 
 def main():
-    commands = {"clouds": clouds, "figure7": figure7, "lettering": lettering}
+    commands = {"clouds": clouds, "figure7": figure7, "splats": splats, "lettering": lettering}
     if len(sys.argv) != 4 or sys.argv[1] not in commands:
         sys.exit(__doc__)
     os.makedirs(sys.argv[3], exist_ok=True)

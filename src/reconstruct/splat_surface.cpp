@@ -265,6 +265,33 @@ void average_in_place(std::vector<T>& values, std::span<const Triangle> triangle
         values[v] += (sums[v] / counts[v] - values[v]) * share;
 }
 
+/// Vertices that bridge gaps see nothing: they take the mean of those around them, from the seen
+/// ones on.
+void color_unseen_in_place(SplatSurface& out, std::vector<std::uint8_t> is_seen) {
+    std::vector<Rgb16>& colors = out.cloud.colors;
+    for (bool changed = true; changed;) {
+        changed = false;
+        std::vector<Vec3d> sums(colors.size());
+        std::vector<double> counts(colors.size(), 0.0);
+        for (const Triangle& t : out.mesh.triangles)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index from = t[(k + 1) % 3];
+                if (is_seen[t[k]] || !is_seen[from]) continue;
+                const Rgb16 c = colors[from];
+                sums[t[k]] += vec_cast<double>(Vec3<std::uint16_t>{c.r, c.g, c.b});
+                ++counts[t[k]];
+            }
+        for (std::size_t v = 0; v < colors.size(); ++v) {
+            if (counts[v] == 0.0) continue;
+            const Vec3d mean = sums[v] / counts[v] + Vec3d{0.5, 0.5, 0.5};
+            colors[v] = {static_cast<std::uint16_t>(mean.x), static_cast<std::uint16_t>(mean.y),
+                         static_cast<std::uint16_t>(mean.z)};
+            is_seen[v] = 1;
+            changed = true;
+        }
+    }
+}
+
 /// The surface lies before the middle of the splats, by half a thickness of them and more.
 void sink_in_place(SplatSurface& out, std::vector<double> depths) {
     for (int round = 0; round < kSmoothings; ++round)
@@ -297,6 +324,7 @@ SplatSurface splat_surface(const PointCloud& cloud, const Context& context) {
     measure_vertices(out);
     out.cloud.rows.resize(n);
     std::vector<double> depths(n);
+    std::vector<std::uint8_t> is_seen(n);
     if (!cloud.colors.empty()) out.cloud.colors.resize(n);
     parallel_for(context, n, kGrain, [&](std::size_t begin, std::size_t end) {
         Viewer viewer(cloud, splats, grid);
@@ -305,9 +333,11 @@ SplatSurface splat_surface(const PointCloud& cloud, const Context& context) {
                 viewer.from_outside(out.mesh.positions[v], out.cloud.normals[v]);
             depths[v] = std::clamp(static_cast<double>(view.depth), 0.0, kMostSunk * grid.step());
             if (!cloud.colors.empty()) out.cloud.colors[v] = view.color;
+            is_seen[v] = view.point != kInvalidIndex;
             out.cloud.rows[v] = cloud.rows[view.point == kInvalidIndex ? 0 : view.point];
         }
     });
+    if (!cloud.colors.empty()) color_unseen_in_place(out, std::move(is_seen));
     sink_in_place(out, depths);
     out.cloud.frame = cloud.frame;
     out.cloud.num_rows = cloud.num_rows;

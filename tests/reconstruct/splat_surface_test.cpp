@@ -34,6 +34,15 @@ PointCloud splat_sphere(std::uint64_t n, double radius = 1.0, Rgb16 color = kRed
     return cloud;
 }
 
+PointCloud one_of(const PointCloud& cloud, std::size_t i) {
+    PointCloud one;
+    shapes::add_point(one, cloud.positions[i], vec_cast<double>(cloud.normals[i]));
+    one.axes = {cloud.axes[i]};
+    one.weights = {cloud.weights[i]};
+    one.colors = {cloud.colors[i]};
+    return one;
+}
+
 double area_of(const PointCloud& cloud) {
     double sum = 0.0;
     for (const float a : cloud.areas) sum += static_cast<double>(a);
@@ -108,18 +117,23 @@ TEST(SplatSurface, IsNotEnteredThroughSmallGaps) {
         PointCloud splats;
         for (std::size_t i = 0; i < whole.size(); ++i) {
             if (length(whole.positions[i] - Vec3d{0, 1, 0}) < 0.5 * width) continue;
-            PointCloud one;
-            shapes::add_point(one, whole.positions[i], vec_cast<double>(whole.normals[i]));
-            one.axes = {whole.axes[i]};
-            one.weights = {whole.weights[i]};
-            one.colors = {whole.colors[i]};
-            append(splats, one);
+            append(splats, one_of(whole, i));
         }
         return area_of(splat_surface(splats, {}).cloud);
     };
     const double step = splat_surface(splat_sphere(4000), {}).step;
     EXPECT_LT(area_without(6.0 * step), 1.2 * 4.0 * std::numbers::pi);
     EXPECT_GT(area_without(14.0 * step), 1.6 * 4.0 * std::numbers::pi);
+}
+
+TEST(SplatSurface, GapsAreColouredAsAround) {
+    PointCloud whole = splat_sphere(4000);
+    const double step = splat_surface(whole, {}).step;
+    PointCloud splats;
+    for (std::size_t i = 0; i < whole.size(); ++i)
+        if (length(whole.positions[i] - Vec3d{0, 1, 0}) > 3.0 * step)
+            append(splats, one_of(whole, i));
+    for (const Rgb16& c : splat_surface(splats, {}).cloud.colors) EXPECT_EQ(c, kRed);
 }
 
 TEST(SplatSurface, DropsCrumbs) {
