@@ -10,7 +10,6 @@ namespace {
 constexpr unsigned kSymbolShift = 15, kBitShift = 13;
 constexpr std::uint32_t kMaxCount = 1U << kSymbolShift;
 constexpr std::uint32_t kMaxBitCount = 1U << kBitShift;
-constexpr std::uint32_t kLeastLength = 1U << 24;  // below it, the interval takes in a byte
 constexpr unsigned kMostDirectBits = 19;          // in one division
 constexpr unsigned kUpperBits = 8;                // of a difference, coded by a model
 
@@ -81,34 +80,34 @@ std::uint32_t ArithmeticDecoder::next_byte() {
     return 0;
 }
 
-void ArithmeticDecoder::refill() {
-    while (length_ < kLeastLength) {
+void ArithmeticDecoder::take_bytes() {
+    do {
         value_ = value_ << 8 | next_byte();
         length_ <<= 8;
-    }
+    } while (length_ < kLeastLength);
 }
 
 std::uint32_t ArithmeticDecoder::symbol(SymbolModel& model) {
-    const std::uint32_t whole = length_;
-    length_ >>= kSymbolShift;
+    const std::uint32_t* const cumulated = model.cumulated_.data();
+    const std::uint32_t num_symbols = model.num_symbols_;
+    const std::uint32_t part = length_ >> kSymbolShift;
     // Of damaged bytes the value may lie outside of the interval.
-    const std::uint32_t place = std::min(value_ / length_, kMaxCount - 1);
-    std::uint32_t found = 0, end = model.num_symbols_;
+    const std::uint32_t place = std::min(value_ / part, kMaxCount - 1);
+    std::uint32_t found = 0, end = num_symbols;
     if (!model.table_.empty()) {
-        const std::size_t slot = place >> model.table_shift_;
-        found = model.table_[slot];
-        end = model.table_[slot + 1] + 1;
+        const std::uint32_t* const guess = &model.table_[place >> model.table_shift_];
+        found = guess[0];
+        end = guess[1] + 1;
     }
     while (end > found + 1) {
         const std::uint32_t middle = (found + end) / 2;
-        if (model.cumulated_[middle] > place)
+        if (cumulated[middle] > place)
             end = middle;
         else
             found = middle;
     }
-    const std::uint32_t low = model.cumulated_[found] * length_;
-    const bool is_last = found + 1 == model.num_symbols_;
-    const std::uint32_t high = is_last ? whole : model.cumulated_[found + 1] * length_;
+    const std::uint32_t low = cumulated[found] * part;
+    const std::uint32_t high = found + 1 == num_symbols ? length_ : cumulated[found + 1] * part;
     value_ -= low;
     length_ = high - low;
     refill();

@@ -74,8 +74,13 @@ class ArithmeticDecoder {
     bool is_overrun() const { return num_missing_ > 0; }
 
  private:
+    static constexpr std::uint32_t kLeastLength = 1U << 24;  ///< of the interval, after a symbol
+
     std::uint32_t next_byte();
-    void refill();
+    void take_bytes();
+    void refill() {
+        if (length_ < kLeastLength) take_bytes();
+    }
 
     std::span<const std::byte> bytes_;
     std::size_t next_ = 0;

@@ -319,19 +319,32 @@ ColumnStats::ColumnStats(std::size_t num_columns) {
     columns_.assign(num_columns, none);
 }
 
+namespace {
+
+bool has_no_fraction(double v) {
+    constexpr double kAllWhole =
+        4503599627370496.0;  // 2^52: doubles have no fractions from here on
+    return !(std::abs(v) < kAllWhole) || v == static_cast<double>(static_cast<std::int64_t>(v));
+}
+
+}  // namespace
+
 void ColumnStats::add(std::span<const std::vector<double>> columns,
                       std::span<const std::uint8_t> has_point) {
     const std::vector<double>& first = columns[0];
     for (std::size_t k = 0; k < columns.size(); ++k) {
         Column& known = columns_[k];
         known.has_point = known.has_point || has_point[k] != 0;
+        bool whole = known.is_whole;
+        double low = known.min, high = known.max;
         for (std::size_t i = 0; i < first.size(); ++i) {
             const double v = columns[k][i];
             if (std::isnan(first[i]) || std::isnan(v)) continue;
-            known.is_whole = known.is_whole && v == std::floor(v);
-            known.min = std::min(known.min, v);
-            known.max = std::max(known.max, v);
+            whole = whole && has_no_fraction(v);
+            low = std::min(low, v);
+            high = std::max(high, v);
         }
+        known.is_whole = whole, known.min = low, known.max = high;
         if (!has_triple(k)) continue;
         for (std::size_t i = 0; i < first.size() && known.is_unit; ++i) {
             if (std::isnan(first[i])) continue;

@@ -1,7 +1,9 @@
 // std::from_chars does not depend on the locale and rounds correctly.
 #include "io/text_numbers.h"
 
+#include <array>
 #include <charconv>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -66,6 +68,35 @@ bool TextLines::next() {
     return false;
 }
 
+// Both the digits as a whole number and the power of ten are doubles, and their quotient is rounded
+// once.
+ShortNumber read_short_number(const char* begin, const char* end) {
+    constexpr std::array<double, 16> kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                             1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    const char* p = begin;
+    const bool is_negative = p != end && *p == '-';
+    p += is_negative;
+    std::uint64_t digits = 0;
+    const auto take_digits = [&] {
+        const char* const first = p;
+        for (; p != end; ++p) {
+            const auto digit = static_cast<unsigned>(*p - '0');
+            if (digit > 9) break;
+            digits = digits * 10 + digit;
+        }
+        return p - first;
+    };
+    std::ptrdiff_t num_digits = take_digits(), num_behind = 0;
+    if (p != end && *p == '.') {
+        ++p;
+        num_behind = take_digits();
+        num_digits += num_behind;
+    }
+    if (num_digits == 0 || num_digits >= std::ssize(kPowers)) return {};
+    const double size = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(num_behind)];
+    return {p, is_negative ? -size : size, num_behind > 0};
+}
+
 bool NumberReader::next(double& value) {
     skip_blanks(rest_);
     if (rest_.empty()) {
@@ -74,6 +105,12 @@ bool NumberReader::next(double& value) {
     }
     const char* begin = rest_.data();
     const char* const end = begin + rest_.size();
+    const ShortNumber number = read_short_number(begin, end);
+    if (number.end != nullptr && (number.end == end || is_blank(*number.end))) {
+        value = number.value;
+        rest_.remove_prefix(static_cast<std::size_t>(number.end - begin));
+        return true;
+    }
     if (*begin == '+' && end - begin > 1 && begin[1] != '-') ++begin;
     const auto [stop, error] = std::from_chars(begin, end, value);
     if (error == std::errc::result_out_of_range)

@@ -23,6 +23,16 @@ class TextLines {
     char line_end_;
 };
 
+struct ShortNumber {
+    const char* end = nullptr;  ///< behind it; null = there is none
+    double value = 0.0;
+    bool has_point = false;  ///< and digits behind it
+};
+
+/// A number of at most 15 digits without an exponent: the same bits as std::from_chars gives,
+/// sooner.
+ShortNumber read_short_number(const char* begin, const char* end);
+
 /// The numbers of a line, between blanks. Reads "nan", "inf", a leading '+', and Windows' "1.#QNAN"
 /// (as NaN); the same bits in every locale.
 class NumberReader {

@@ -2,7 +2,6 @@
 #include "io/text_rows.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -19,6 +18,9 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 bool is_separator(char c) { return c == ',' || c == ';'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Neither blank nor separator: such characters lie above all of them but ';'.
+bool is_plain(char c) { return c > ',' && c != ';'; }
 
 std::string_view trimmed(std::string_view text) {
     while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
@@ -63,6 +65,11 @@ void Fields::skip_blanks() {
 
 void Fields::skip_separator() {
     is_open_ = false;
+    // Mostly one blank.
+    if (end_ - at_ > 1 && *at_ == ' ' && is_plain(at_[1])) {
+        ++at_;
+        return;
+    }
     skip_blanks();
     if (at_ == end_ || !is_separator(*at_)) return;
     ++at_;
@@ -76,31 +83,12 @@ bool Fields::is_end_of_field(const char* p) const {
     return p == end_ || is_separator(*p) || is_blank(*p);
 }
 
-/// At most 15 digits and no exponent. Both the digits as a whole number and the power of ten are
-/// doubles then, and their quotient is rounded once: the same bits as from_chars, sooner.
 bool Fields::short_number(double& value) {
-    constexpr std::array<double, 16> kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                             1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-    const char* p = at_;
-    const bool is_negative = p != end_ && *p == '-';
-    p += is_negative;
-    std::uint64_t digits = 0;
-    const char* const begin = p;
-    while (p != end_ && is_digit(*p)) digits = digits * 10 + static_cast<std::uint64_t>(*p++ - '0');
-    std::ptrdiff_t num_digits = p - begin, num_behind = 0;
-    if (p != end_ && *p == '.') {
-        const char* const point = p++;
-        while (p != end_ && is_digit(*p))
-            digits = digits * 10 + static_cast<std::uint64_t>(*p++ - '0');
-        num_behind = p - point - 1;
-        num_digits += num_behind;
-    }
-    if (num_digits == 0 || num_digits >= std::ssize(kPowers)) return false;
-    if (!is_end_of_field(p)) return false;
-    has_point_ = num_behind > 0;
-    const double size = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(num_behind)];
-    value = is_negative ? -size : size;
-    at_ = p;
+    const ShortNumber number = read_short_number(at_, end_);
+    if (number.end == nullptr || !is_end_of_field(number.end)) return false;
+    value = number.value;
+    has_point_ = number.has_point;
+    at_ = number.end;
     skip_separator();
     return true;
 }
