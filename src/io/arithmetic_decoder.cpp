@@ -10,8 +10,8 @@ namespace {
 constexpr unsigned kSymbolShift = 15, kBitShift = 13;
 constexpr std::uint32_t kMaxCount = 1U << kSymbolShift;
 constexpr std::uint32_t kMaxBitCount = 1U << kBitShift;
-constexpr unsigned kMostDirectBits = 19;          // in one division
-constexpr unsigned kUpperBits = 8;                // of a difference, coded by a model
+constexpr unsigned kMostDirectBits = 19;  // in one division
+constexpr unsigned kUpperBits = 8;        // of a difference, coded by a model
 
 }  // namespace
 
