@@ -30,7 +30,7 @@ bool is_model(const fs::path& path) {
     return extension == ".obj" || extension == ".gltf" || extension == ".glb";
 }
 
-/// Upright and in metres, as models are written.
+/// Upright and in metres, as GLB and glTF are written.
 void set_upright(PointCloud& cloud) {
     const UpAxis up = cloud.frame.up;
     const auto turned = [&]<class T>(const Vec3<T>& p) {
@@ -46,12 +46,19 @@ void set_upright(PointCloud& cloud) {
     for (float& a : cloud.areas) a *= length * length;
 }
 
-Subject load_subject(const fs::path& path, const LoadOptions& options, const Context& context) {
+/// Models whose coordinates are those of their clouds.
+bool keeps_coordinates(const fs::path& path) {
+    const std::string extension = lower_extension(is_packed(path) ? path.stem() : path);
+    return extension == ".obj" || extension == ".stl";
+}
+
+Subject load_subject(const fs::path& path, const LoadOptions& options, bool is_upright,
+                     const Context& context) {
     if (is_model(path)) return {.cloud = {}, .model = load_mesh(path, context)};
     LoadResult loaded = load_cloud(path, options, context);
     if (loaded.mesh) return {.cloud = {}, .model = load_mesh(path, context)};
     PointCloud cloud = estimate_attributes(std::move(loaded.cloud), {}, context).cloud;
-    set_upright(cloud);
+    if (is_upright) set_upright(cloud);
     return {.cloud = std::move(cloud), .model = {}};
 }
 
@@ -117,8 +124,9 @@ void run_render(Words words, const std::stop_token& stop) {
     const Context context = console.context(run.threads, stop);
     View view;
     std::vector<Image> pictures;
+    const bool is_upright = std::ranges::none_of(line.inputs, keeps_coordinates);
     for (const fs::path& input : line.inputs) {
-        const Subject subject = load_subject(input, load, context);
+        const Subject subject = load_subject(input, load, is_upright, context);
         if (pictures.empty()) view = view_of(options, subject);
         if (!subject.model) {
             pictures.push_back(render_points(subject.cloud, view, context));

@@ -6,7 +6,6 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/parallel.h"
-#include "core/splat.h"
 #include "files.h"
 #include "memory_watch.h"
 #include "summary.h"
@@ -106,7 +105,10 @@ void check_memory(const Job& job, std::uint64_t num_points, bool are_splats) {
          bytes_text(job.limits.max_memory->bytes));
 }
 
-std::vector<std::uint8_t> off_surface(const SimplifyResult& light) {
+/// Of splats none are told.
+std::vector<std::uint8_t> off_surface(const ConvertResult& result) {
+    if (result.splats.size() > 0) return {};
+    const SimplifyResult& light = result.light;
     std::vector<std::uint8_t> marks(light.point_triangles.size());
     for (std::size_t i = 0; i < marks.size(); ++i)
         marks[i] = light.point_triangles[i] == kInvalidIndex;
@@ -142,7 +144,8 @@ class Run {
         report_.load = loaded.report;
         report_.frame = loaded.cloud.frame;
         loaded.cloud.frame = settled_frame(std::move(loaded.cloud.frame), job_.write);
-        check_memory(job_, loaded.cloud.size(), holds_splats(loaded.cloud));
+        check_memory(job_, loaded.cloud.size(),
+                     goes_around_splats(loaded.cloud, job_.convert) && job_.mesh.mesh.empty());
         ConvertInput input{
             .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};
         if (!job_.mesh.mesh.empty()) input.mesh = load_mesh(job_.mesh.mesh, context_);
@@ -192,8 +195,8 @@ class Run {
     /// The account of every input row, which is of use when a bound was missed, too.
     void write_rows(const ConvertResult& result) {
         if (!job_.files.write_points.empty())
-            write_points(result.cloud, off_surface(result.light), job_.files.write_points,
-                         context_);
+            write_points(result.splats.size() > 0 ? result.splats : result.cloud,
+                         off_surface(result), job_.files.write_points, context_);
     }
 
     /// With the normals as they were turned last.

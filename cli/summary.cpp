@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/splat.h"
 #include "frame_lines.h"
 
 namespace pointbake::cli {
@@ -255,7 +254,8 @@ std::vector<std::string> plan_lines(const Job& job, const ConvertInput& input,
     append("stop after", to_word(job.stop.stop_after));
     append("output", job.output.empty() ? job.files.work_dir.string() : job.output.string());
     append("memory",
-           "up to " + bytes_text(predicted_memory(input.cloud.size(), holds_splats(input.cloud))));
+           "up to " + bytes_text(predicted_memory(input.cloud.size(),
+                                                  goes_around_splats(input.cloud, job.convert))));
     return lines;
 }
 

@@ -5,13 +5,13 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "bake.h"
 #include "core/adjacency.h"
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/parallel.h"
-#include "core/splat.h"
 #include "pointbake/splats.h"
 #include "write/encode_image.h"
 
@@ -205,16 +205,6 @@ bool has_given_surface(const ConvertInput& input, const ConvertOptions& options)
     return input.mesh || options.reconstruct.surface == Surface::kGiven;
 }
 
-// Splats have a surface of their own, unless one through their centres is asked for.
-bool goes_around_splats(const PointCloud& cloud, const ConvertOptions& options) {
-    const ReconstructOptions& asked = options.reconstruct;
-    if (!holds_splats(cloud)) return false;
-    if (asked.method != Method::kAuto) return asked.method == Method::kOpacity;
-    return (asked.surface == Surface::kAuto || asked.surface == Surface::kWatertight) &&
-           asked.thin == Thin::kAuto && !asked.fill_holes &&
-           options.denoise.denoise != Denoise::kOn;
-}
-
 // Vertices of a mesh are where they should be.
 DenoiseOptions denoising_for(const ConvertInput& input, const ConvertOptions& options) {
     DenoiseOptions out = options.denoise;
@@ -274,6 +264,17 @@ void check_given(const ConvertInput& input, const ConvertOptions& options) {
     if (!input.mesh && (options.clean.crop || options.clean.subsample))
         fail(ErrorCode::kInvalidOption,
              "--crop and --subsample do not go with --surface given: the faces need their points");
+}
+
+// Of splats, what is asked of a surface through points would not be done.
+void check_opacity(const ConvertOptions& options) {
+    const auto refuse = [](std::string_view option) {
+        fail(ErrorCode::kInvalidOption,
+             "{} does not go with --method opacity: no points are joined", option);
+    };
+    if (options.reconstruct.thin != Thin::kAuto) refuse("--thin off");
+    if (options.reconstruct.fill_holes) refuse("--fill-holes");
+    if (options.denoise.denoise == Denoise::kOn) refuse("--denoise on");
 }
 
 Length in_units(Length length, double metres_per_unit) {
@@ -362,6 +363,7 @@ void validate(const ConvertOptions& options) {
              kMostMips);
     validate(options.clean);
     validate(options.reconstruct);
+    if (options.reconstruct.method == Method::kOpacity) check_opacity(options);
     validate(options.simplify);
     // Refuses sides and budgets that no page can have.
     constexpr std::uint64_t kSmallestPage = 64 * 64;
@@ -376,6 +378,15 @@ void validate(const ConvertOptions& options) {
     if (options.texture.keep_uvs && options.texture.paper)
         fail(ErrorCode::kInvalidOption,
              "--paper lays out triangles of its own: it does not go with --keep-uvs");
+}
+
+bool goes_around_splats(const PointCloud& cloud, const ConvertOptions& options) {
+    const ReconstructOptions& asked = options.reconstruct;
+    if (!cloud.are_splats) return false;
+    if (asked.method != Method::kAuto) return asked.method == Method::kOpacity;
+    return (asked.surface == Surface::kAuto || asked.surface == Surface::kWatertight) &&
+           asked.thin == Thin::kAuto && !asked.fill_holes &&
+           options.denoise.denoise != Denoise::kOn;
 }
 
 CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options) {
@@ -405,11 +416,16 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
                 clean(std::move(input.cloud), cleaning_for(input, options), context);
             result.report.clean = cleaned.report;
             if (!is_given && goes_around_splats(cleaned.cloud, options)) {
-                SplatSurface splats = splat_surface(cleaned.cloud, context);
-                cleaned.cloud = std::move(splats.cloud);
-                input.file_mesh = std::move(splats.mesh);
-                splat_step = splats.step;
+                SplatSurface around = splat_surface(cleaned.cloud, context);
+                result.splats = std::exchange(cleaned.cloud, std::move(around.cloud));
+                input.file_mesh = std::move(around.mesh);
+                splat_step = around.step;
                 is_given = true;
+                if (around.step > around.wanted_step)
+                    warn(result, context,
+                         fmt::format("the splats extend too far for a grid of {:.3g}: it is of "
+                                     "{:.3g}, and details are lost; --crop what lies far off",
+                                     around.wanted_step, around.step));
             }
             // A surface that is given is not second-guessed.
             DenoiseResult denoised = is_given ? DenoiseResult{std::move(cleaned.cloud), {}}
@@ -443,7 +459,7 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
             result.light = simplify(result.dense, result.cloud, simplifying, context);
             result.report.simplify = result.light.report;
             if (!is_given) check_surface(result, options);
-            check_off_surface(result, is_given, context);
+            check_off_surface(result, is_given && !splat_step, context);
         })) {
         return result;
     }

@@ -74,6 +74,7 @@ struct ConvertInput {
 /// Every stage's value; what was not reached stays empty.
 struct ConvertResult {
     PointCloud cloud;
+    PointCloud splats;  ///< with a surface around splats: they; the cloud is then the points of it
     DenseMesh dense;
     SimplifyResult light;
     TexturedMesh model;
@@ -94,6 +95,10 @@ ConvertOptions in_cloud_units(ConvertOptions options, const Frame& frame);
 /// and floating pieces are not looked for. Throws Error{kInvalidOption} where the faces of the same
 /// file would lose points, and for options of a reconstruction that is not done.
 CleanOptions cleaning_for(const ConvertInput& input, const ConvertOptions& options);
+
+/// Whether a surface is laid around the cloud's Gaussian splats instead of one through its points:
+/// if there are splats, and nothing else is asked for.
+bool goes_around_splats(const PointCloud& cloud, const ConvertOptions& options);
 
 /// Lengths in metres follow the cloud's frame, which goes on to the model. Throws Error as the
 /// stages do, and Error{kDegenerate} for a reconstructed surface that leaves

@@ -24,7 +24,7 @@ struct View {
 /// sheet's Gaussians there, normalised, give the colour (grey shading by the normal where the cloud
 /// has none). Standard deviations are those of the texture stage where the cloud has areas.
 /// Gaussian splats are composited from front to back instead [Kerbl23, eq. 3]; what they cover by
-/// half or more is covered.
+/// half or more is covered. Without colours they are grey.
 Image render_points(const PointCloud& cloud, const View& view = {}, const Context& context = {});
 /// The mesh with its texture.
 Image render_textured(const TexturedMesh& model, const View& view = {},

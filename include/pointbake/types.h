@@ -96,7 +96,7 @@ struct Channel {
     std::vector<float> data;  ///< size() * num_components values
 };
 
-/// A point cloud, in Morton order from load on. All lengths are in the file's own unit.
+/// A point cloud, as loaded in Morton order. All lengths are in the file's own unit.
 struct PointCloud {
     std::vector<Vec3d> positions;  ///< in double; as read, unless denoise() moved them
     std::vector<Vec3d> measured;   ///< as read, if denoise() moved them
@@ -114,6 +114,7 @@ struct PointCloud {
     std::vector<Channel> channels;
 
     Frame frame;
+    bool are_splats = false;  ///< Gaussian splats: axes and weights are theirs
 
     double noise = 0.0;  ///< across the surface, in local spacings, if it was measured
 

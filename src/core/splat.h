@@ -19,10 +19,7 @@ struct Splat {
     float opacity = 0.0F;                           ///< at the centre, 0 to kMostOpaque
 };
 
-/// Whether the points are elliptical and have opacities.
-bool holds_splats(const PointCloud& cloud);
-
-/// Of a cloud that holds splats. The third axis, which clouds do not keep, is a tenth of the
+/// Of a cloud of splats. The third axis, which clouds do not keep, is a tenth of the
 /// shorter one where the point has a normal, else as long. Without opacity where the axes span no
 /// area.
 Splat splat_of(const PointCloud& cloud, std::size_t point);

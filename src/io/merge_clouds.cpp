@@ -69,6 +69,8 @@ PointCloud concatenated(const Parts& parts, std::vector<std::string>& notes) {
     append_all(all, parts, &PointCloud::sensors, "sensor directions", notes);
     append_all(all, parts, &PointCloud::weights, "weights", notes);
     append_channels(all, parts, notes);
+    all.are_splats =
+        std::ranges::all_of(parts, [](const LoadResult& part) { return part.cloud.are_splats; });
     return all;
 }
 

@@ -149,6 +149,7 @@ Rgb16 color_of_harmonic(Vec3d f_dc) {
 
 void make_surfels(PointRows& points, const SplatShapes& shapes, const Context& context) {
     points.cloud.frame.up = UpAxis::kMinusY;
+    points.cloud.are_splats = true;
     PointCloud& cloud = points.cloud;
     const std::size_t n = cloud.positions.size();
     cloud.normals.assign(n, {});

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/kernel.h"
+#include "core/message.h"
 #include "core/parallel.h"
 
 namespace pointbake {
@@ -17,8 +18,12 @@ constexpr double kThinnest = 0.6;  // standard deviation, in steps
 constexpr float kOpaqueFrom = 0.4F;
 constexpr float kEnclosed = -0.05F;  // value of free space that is not outside
 constexpr int kClosing = 2;          // steps
-// Of the bricks' lattice: cells, those along an axis, those that splats reach, each for itself.
-constexpr double kMostCells = 1 << 24, kMostBricks = 1 << 15, kMostReached = 1 << 28;
+// Of the bricks' lattice: cells, and those along an axis.
+constexpr double kMostCells = 1 << 24, kMostBricks = 1 << 15;
+// Bricks with splats, of 2.6 kB each; and splats in them, where they are not many anyway.
+constexpr std::size_t kMostListed = 1 << 19, kMostReached = 1 << 28, kBricksPerSplat = 64;
+constexpr double kLeastStep = 1e-12;  // of the largest coordinate
+constexpr std::size_t kPerPoll = 4096;
 
 using Point = SplatGrid::Point;
 
@@ -60,40 +65,31 @@ struct SplatGrid::Reach {
 
 SplatGrid::SplatGrid(std::span<const Splat> splats, double step, const Context& context)
     : step_(step) {
-    lay_out(splats);
-    check_cancelled(context);
-    list_splats(splats);
+    // Finer than coordinates are means nothing.
+    for (const Splat& s : splats)
+        for (std::size_t k = 0; k < 3; ++k)
+            step_ = std::max(step_, kLeastStep * std::abs(s.center[k]));
+    while (!lay_out(splats) || !list_bricks(splats, context)) step_ *= 2.0;
+    list_splats(splats, context);
     add_opacities(splats, context);
-    block_near_opaque();
-    check_cancelled(context);
-    flood();
-    grow_outside();
-    check_cancelled(context);
+    block_near_opaque(context);
+    flood(context);
+    grow_outside(context);
 }
 
-// As fine as asked for, if that does not ask for too much.
-void SplatGrid::lay_out(std::span<const Splat> splats) {
-    for (;; step_ *= 2.0) {
-        const Box box = box_of(splats, static_cast<float>(kThinnest * step_));
-        const double margin = kSide * step_;
-        corner_ = box.low - Vec3d{margin, margin, margin};
-        const Vec3d extent = box.extent() + Vec3d{margin, margin, margin} * 2.0;
-        double cells = 1.0, longest = 0.0, reached = 0.0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double count = std::floor(extent[k] / margin) + 1.0;
-            cells *= count;
-            longest = std::max(longest, count);
-        }
-        if (cells > kMostCells || longest > kMostBricks) continue;
-        for (const Splat& s : splats) {
-            const Vec3d half = half_extent(s, static_cast<float>(kThinnest * step_)) / margin;
-            reached += (2.0 * half.x + 2.0) * (2.0 * half.y + 2.0) * (2.0 * half.z + 2.0);
-        }
-        if (reached > kMostReached) continue;
-        for (std::size_t k = 0; k < 3; ++k)
-            bricks_[k] = static_cast<std::int32_t>(std::floor(extent[k] / margin)) + 1;
-        return;
+bool SplatGrid::lay_out(std::span<const Splat> splats) {
+    const Box box = box_of(splats, static_cast<float>(kThinnest * step_));
+    const double margin = kSide * step_;
+    corner_ = box.low - Vec3d{margin, margin, margin};
+    const Vec3d extent = box.extent() + Vec3d{margin, margin, margin} * 2.0;
+    double cells = 1.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double count = std::floor(extent[k] / margin) + 1.0;
+        cells *= count;
+        if (count > kMostBricks) return false;
+        bricks_[k] = static_cast<std::int32_t>(count);
     }
+    return cells <= kMostCells;
 }
 
 Point SplatGrid::size() const {
@@ -139,50 +135,83 @@ SplatGrid::State SplatGrid::state(const Point& p) const {
     return states_[brick * kBrickPoints + slot_of(p)];
 }
 
-// Bricks in the order of their places, the splats of each ascending.
-void SplatGrid::list_splats(std::span<const Splat> splats) {
-    std::size_t cells = 1;
+// From a step before its reach on: so all cubes with one corner in a brick have their lowest one in
+// some.
+template <class Visit>
+void SplatGrid::for_each_cell(const Splat& splat, Visit&& visit) const {
+    const Reach r = reach_of(splat);
+    Point first{}, last{}, p{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        first[k] = std::clamp((r.first[k] - 1) / kSide, 0, bricks_[k] - 1);
+        last[k] = std::clamp(r.last[k] / kSide, 0, bricks_[k] - 1);
+    }
+    for (p[2] = first[2]; p[2] <= last[2]; ++p[2])
+        for (p[1] = first[1]; p[1] <= last[1]; ++p[1])
+            for (p[0] = first[0]; p[0] <= last[0]; ++p[0])
+                visit(cell_of({p[0] * kSide, p[1] * kSide, p[2] * kSide}));
+}
+
+// False where they are too many. Counts the splats of each.
+bool SplatGrid::list_bricks(std::span<const Splat> splats, const Context& context) {
+    std::size_t cells = 1, reached = 0, listed = 0;
     for (const std::int32_t n : bricks_) cells *= static_cast<std::size_t>(n);
     brick_of_.assign(cells, 0);
-    is_outside_.assign(cells, 0);
-    const auto for_each_cell = [&](const Splat& splat, auto&& visit) {
-        const Reach r = reach_of(splat);
-        Point p{};
-        for (p[2] = r.first[2] / kSide; p[2] <= r.last[2] / kSide; ++p[2])
-            for (p[1] = r.first[1] / kSide; p[1] <= r.last[1] / kSide; ++p[1])
-                for (p[0] = r.first[0] / kSide; p[0] <= r.last[0] / kSide; ++p[0])
-                    visit(cell_of({p[0] * kSide, p[1] * kSide, p[2] * kSide}));
-    };
-    for (const Splat& s : splats) for_each_cell(s, [&](std::size_t cell) { ++brick_of_[cell]; });
+    const std::size_t most = std::max(kMostReached, kBricksPerSplat * splats.size());
+    for (std::size_t i = 0; i < splats.size(); ++i) {
+        if (i % kPerPoll == 0) check_cancelled(context);
+        for_each_cell(splats[i], [&](std::size_t cell) {
+            ++reached;
+            listed += brick_of_[cell]++ == 0 ? 1 : 0;
+        });
+        if (listed > kMostListed || reached > most) return false;
+    }
+    if (reached >= kInvalidIndex)
+        fail(ErrorCode::kLimit, "{} splats are more than a surface is laid around", splats.size());
+    return true;
+}
+
+// Bricks in the order of their places, the splats of each ascending.
+void SplatGrid::list_splats(std::span<const Splat> splats, const Context& context) {
+    const auto nx = static_cast<std::size_t>(bricks_[0]), ny = static_cast<std::size_t>(bricks_[1]);
+    is_outside_.assign(brick_of_.size(), 0);
     splats_begin_.assign(1, 0);
-    for (std::size_t cell = 0; cell < cells; ++cell) {
+    for (std::size_t cell = 0; cell < brick_of_.size(); ++cell) {
         if (brick_of_[cell] == 0) {
             brick_of_[cell] = kInvalidIndex;
             continue;
         }
         splats_begin_.push_back(splats_begin_.back() + brick_of_[cell]);
         brick_of_[cell] = static_cast<Index>(brick_points_.size());
-        const auto nx = static_cast<std::size_t>(bricks_[0]),
-                   ny = static_cast<std::size_t>(bricks_[1]);
         brick_points_.push_back({static_cast<std::int32_t>(cell % nx) * kSide,
                                  static_cast<std::int32_t>(cell / nx % ny) * kSide,
                                  static_cast<std::int32_t>(cell / nx / ny) * kSide});
     }
     splats_.resize(splats_begin_.back());
     std::vector<Index> next(splats_begin_.begin(), splats_begin_.end() - 1);
-    for (Index i = 0; i < splats.size(); ++i)
+    for (Index i = 0; i < splats.size(); ++i) {
+        if (i % kPerPoll == 0) check_cancelled(context);
         for_each_cell(splats[i], [&](std::size_t cell) { splats_[next[brick_of_[cell]]++] = i; });
+    }
 }
 
-std::span<const Index> SplatGrid::splats_near(Vec3d place) const {
-    Point p{};
-    for (std::size_t k = 0; k < 3; ++k)
-        p[k] = static_cast<std::int32_t>(std::floor((place[k] - corner_[k]) / step_));
-    if (!is_inside(p)) return {};
-    const Index brick = brick_of_[cell_of(p)];
-    if (brick == kInvalidIndex) return {};
-    return std::span(splats_).subspan(splats_begin_[brick],
-                                      splats_begin_[brick + 1] - splats_begin_[brick]);
+void SplatGrid::find_splats(Vec3d from, Vec3d to, std::vector<Index>& found) const {
+    found.clear();
+    const int num_steps = static_cast<int>(std::ceil(length(to - from) / step_));
+    Index last = kInvalidIndex;
+    for (int i = 0; i <= num_steps; ++i) {
+        const Vec3d at = from + (to - from) * (static_cast<double>(i) / std::max(num_steps, 1));
+        Point p{};
+        for (std::size_t k = 0; k < 3; ++k)
+            p[k] = static_cast<std::int32_t>(std::floor((at[k] - corner_[k]) / step_));
+        if (!is_inside(p)) continue;
+        const Index brick = brick_of_[cell_of(p)];
+        if (brick == kInvalidIndex || brick == last) continue;
+        last = brick;
+        found.insert(found.end(), splats_.begin() + splats_begin_[brick],
+                     splats_.begin() + splats_begin_[brick + 1]);
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
 }
 
 // Of one brick: takes from the light that passes its points what the splat stops.
@@ -238,17 +267,19 @@ struct SplatGrid::Frontier {
     }
 };
 
-std::vector<Point> SplatGrid::opaque_points() const {
+std::vector<Point> SplatGrid::opaque_points(const Context& context) const {
     std::vector<Point> found;
-    for (std::size_t b = 0; b < brick_points_.size(); ++b)
+    for (std::size_t b = 0; b < brick_points_.size(); ++b) {
+        if (b % kPerPoll == 0) check_cancelled(context);
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(kBrickPoints); ++i)
             if (states_[b * kBrickPoints + static_cast<std::size_t>(i)] == kOpaque)
                 found.push_back(point_of(b, i));
+    }
     return found;
 }
 
-void SplatGrid::block_near_opaque() {
-    Frontier front{opaque_points(), {}};
+void SplatGrid::block_near_opaque(const Context& context) {
+    Frontier front{opaque_points(context), {}};
     for (int round = 0; round < kClosing; ++round, front.advance())
         for (const Point& p : front.points)
             for (const Point& step : kSteps) {
@@ -264,8 +295,9 @@ void SplatGrid::block_near_opaque() {
 }
 
 // Cells without splats are taken as a whole. The first one is such, by the margin.
-void SplatGrid::flood() {
+void SplatGrid::flood(const Context& context) {
     std::vector<Point> open{{0, 0, 0}};
+    std::size_t num_taken = 0;
     is_outside_[0] = 1;
     const auto reach = [&](const Point& q) {
         if (!is_inside(q)) return;
@@ -284,6 +316,7 @@ void SplatGrid::flood() {
     while (!open.empty()) {
         const Point p = open.back();
         open.pop_back();
+        if (++num_taken % kPerPoll == 0) check_cancelled(context);
         if (brick_of_[cell_of(p)] != kInvalidIndex) {
             for (const Point& step : kSteps) reach(p + step);
             continue;
@@ -303,25 +336,23 @@ void SplatGrid::flood() {
     }
 }
 
-void SplatGrid::grow_outside() {
-    Frontier front;
-    for (std::size_t b = 0; b < brick_points_.size(); ++b)
-        for (std::int32_t i = 0; i < static_cast<std::int32_t>(kBrickPoints); ++i) {
-            if (states_[b * kBrickPoints + static_cast<std::size_t>(i)] != kBlocked) continue;
-            const Point p = point_of(b, i);
-            if (std::any_of(kSteps.begin(), kSteps.end(), [&](const Point& step) {
-                    return is_inside(p + step) && state(p + step) == kOutside;
-                }))
-                front.points.push_back(p);
-        }
-    for (int round = 0; round < kClosing; ++round, front.advance()) {
-        for (const Point& p : front.points)
-            states_[brick_of_[cell_of(p)] * kBrickPoints + slot_of(p)] = kOutside;
-        for (const Point& p : front.points)
-            for (const Point& step : kSteps) {
-                const Point q = p + step;
-                if (is_inside(q) && state(q) == kBlocked) front.next.push_back(q);
+void SplatGrid::grow_outside(const Context& context) {
+    const auto is_beside_outside = [&](const Point& p) {
+        return std::any_of(kSteps.begin(), kSteps.end(), [&](const Point& step) {
+            return is_inside(p + step) && state(p + step) == kOutside;
+        });
+    };
+    for (int round = 0; round < kClosing; ++round) {
+        std::vector<std::size_t> found;
+        for (std::size_t b = 0; b < brick_points_.size(); ++b) {
+            if (b % kPerPoll == 0) check_cancelled(context);
+            for (std::int32_t i = 0; i < static_cast<std::int32_t>(kBrickPoints); ++i) {
+                const std::size_t at = b * kBrickPoints + static_cast<std::size_t>(i);
+                if (states_[at] == kBlocked && is_beside_outside(point_of(b, i)))
+                    found.push_back(at);
             }
+        }
+        for (const std::size_t at : found) states_[at] = kOutside;
     }
 }
 

@@ -17,7 +17,8 @@ class SplatGrid {
  public:
     using Point = std::array<std::int32_t, 3>;
 
-    /// The step is doubled while the splats' extent is more than some 2 000 steps a side.
+    /// The step is doubled while the lattice would have too many points: around extents of some
+    /// 2 000 steps a side, or surfaces of some 10 million square steps.
     SplatGrid(std::span<const Splat> splats, double step, const Context& context);
 
     double step() const { return step_; }
@@ -32,8 +33,8 @@ class SplatGrid {
     /// The lower corners of the lattice's cubes whose corners have values of both signs, in an
     /// order of their places.
     std::vector<Point> mixed_cubes(const Context& context) const;
-    /// The splats that reach some of the space around a place, ascending.
-    std::span<const Index> splats_near(Vec3d place) const;
+    /// The splats that may reach a line between two places, and more, ascending.
+    void find_splats(Vec3d from, Vec3d to, std::vector<Index>& found) const;
 
  private:
     static constexpr std::int32_t kSide = 8;  ///< points per brick and axis
@@ -48,15 +49,18 @@ class SplatGrid {
     static std::size_t slot_of(const Point& p);
     Point point_of(std::size_t brick, std::int32_t slot) const;
     State state(const Point& p) const;
-    void lay_out(std::span<const Splat> splats);
-    void list_splats(std::span<const Splat> splats);
+    bool lay_out(std::span<const Splat> splats);
+    template <class Visit>
+    void for_each_cell(const Splat& splat, Visit&& visit) const;
+    bool list_bricks(std::span<const Splat> splats, const Context& context);
+    void list_splats(std::span<const Splat> splats, const Context& context);
     void dim(const Splat& splat, const Point& origin,
              std::array<float, kBrickPoints>& passed) const;
     void add_opacities(std::span<const Splat> splats, const Context& context);
-    std::vector<Point> opaque_points() const;
-    void block_near_opaque();
-    void flood();
-    void grow_outside();
+    std::vector<Point> opaque_points(const Context& context) const;
+    void block_near_opaque(const Context& context);
+    void flood(const Context& context);
+    void grow_outside(const Context& context);
 
     double step_;
     Vec3d corner_;

@@ -19,6 +19,7 @@ constexpr double kStepOverSigma = 3.0;  // of the splats' median second standard
 constexpr double kLeastPiece = 1e-3;    // of the largest one's triangles
 // A look along the normal begins and ends so many steps before and behind the surface.
 constexpr double kBefore = 3.0, kBehind = 6.0;
+constexpr double kThinnest = 0.6;  // steps
 constexpr int kSmoothings = 10;
 constexpr double kSunk = 0.7;      // of the depth
 constexpr double kMostSunk = 1.5;  // steps
@@ -57,9 +58,12 @@ class Contouring {
         : field_(field), context_(context), grid_(make_grid(field, units_)) {}
 
     Mesh run() {
-        for (const SplatGrid::Point& cube : field_.mixed_cubes(context_))
+        std::size_t count = 0;
+        for (const SplatGrid::Point& cube : field_.mixed_cubes(context_)) {
+            if (++count % kGrain == 0) check_cancelled(context_);
             grid_.split({cube[0] * units_ + units_ / 2, cube[1] * units_ + units_ / 2,
                          cube[2] * units_ + units_ / 2});
+        }
         values_.resize(grid_.num_nodes());
         parallel_for(context_, values_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
@@ -107,10 +111,8 @@ class Contouring {
             SimplexGrid::Point before = p, after = p;
             before[k] -= units_;
             after[k] += units_;
-            const auto value = [&](const SimplexGrid::Point& q) {
-                return q[k] < 0 ? 0.5 : static_cast<double>(value_at(q));
-            };
-            out[k] = (value(after) - value(before)) / (2.0 * field_.step());
+            out[k] =
+                static_cast<double>(value_at(after) - value_at(before)) / (2.0 * field_.step());
         }
         return out;
     }
@@ -171,7 +173,9 @@ class Viewer {
         float depth = 0.0F;           ///< mean of what shows, behind the place
     };
     View from_outside(Vec3d place, Vec3f normal) {
-        find_hits(place, normal);
+        find_hits(place, normal, 0.0F);
+        // The grid has thickened what is thinner than its steps.
+        if (hits_.empty()) find_hits(place, normal, static_cast<float>(kThinnest * grid_.step()));
         std::sort(hits_.begin(), hits_.end());
         Vec3f sum;
         float passed = 1.0F, most = 0.0F, depth = 0.0F;
@@ -192,7 +196,9 @@ class Viewer {
         if (passed < 1.0F) {
             view.depth = depth / (1.0F - passed);
             const Vec3f mean = sum / (1.0F - passed);
-            const auto rounded = [](float x) { return static_cast<std::uint16_t>(x + 0.5F); };
+            const auto rounded = [](float x) {
+                return static_cast<std::uint16_t>(std::min(x + 0.5F, 65535.0F));
+            };
             view.color = {rounded(mean.x), rounded(mean.y), rounded(mean.z)};
         }
         return view;
@@ -209,20 +215,25 @@ class Viewer {
     };
 
     /// Each splat counts where it is densest on the line.
-    void find_hits(Vec3d place, Vec3f normal) {
+    void find_hits(Vec3d place, Vec3f normal, float thinnest) {
         hits_.clear();
+        const Vec3d outwards = vec_cast<double>(normal), step = outwards * grid_.step();
+        grid_.find_splats(place + step * kBefore, place - step * kBehind, candidates_);
         const auto first = static_cast<float>(-kBefore * grid_.step()),
                    last = static_cast<float>(kBehind * grid_.step());
-        for (const Index i : grid_.splats_near(place)) {
+        for (const Index i : candidates_) {
             const Splat& s = splats_.items[i];
-            const auto from = vec_cast<float>(place - s.center);
-            float aa = 0.0F, ab = 0.0F, bb = 0.0F;
+            // In doubles: small differences of large squares where splats are small.
+            const Vec3d from = place - s.center;
+            double aa = 0.0, ab = 0.0, bb = 0.0;
             for (std::size_t k = 0; k < 3; ++k) {
-                const Vec3f axis = s.axes[k] / s.sigmas[k];
-                const float a = -dot(axis, normal), b = dot(axis, from);
+                const Vec3d axis = vec_cast<double>(s.axes[k]) /
+                                   static_cast<double>(std::max(s.sigmas[k], thinnest));
+                const double a = -dot(axis, outwards), b = dot(axis, from);
                 aa += a * a, ab += a * b, bb += b * b;
             }
-            const float depth = -ab / aa, q = std::max(bb - ab * ab / aa, 0.0F);
+            const auto depth = static_cast<float>(-ab / aa),
+                       q = static_cast<float>(std::max(bb - ab * ab / aa, 0.0));
             if (!(depth >= first && depth <= last && q < kCut2)) continue;
             const float opacity = s.opacity * gaussian(q);
             if (opacity >= kLeastSeen) hits_.push_back({depth, i, opacity});
@@ -233,6 +244,7 @@ class Viewer {
     const Splats& splats_;
     const SplatGrid& grid_;
     std::vector<Hit> hits_;
+    std::vector<Index> candidates_;
 };
 
 void measure_vertices(SplatSurface& out) {
@@ -265,41 +277,48 @@ void average_in_place(std::vector<T>& values, std::span<const Triangle> triangle
         values[v] += (sums[v] / counts[v] - values[v]) * share;
 }
 
-/// Vertices that bridge gaps see nothing: they take the mean of those around them, from the seen
-/// ones on.
-void color_unseen_in_place(SplatSurface& out, std::vector<std::uint8_t> is_seen) {
-    std::vector<Rgb16>& colors = out.cloud.colors;
+/// Vertices that bridge gaps see nothing: they take the mean colour of those around them, from the
+/// seen ones on, and the row of one.
+void color_unseen_in_place(SplatSurface& out, std::vector<std::uint8_t> is_seen,
+                           const Context& context) {
+    PointCloud& cloud = out.cloud;
     for (bool changed = true; changed;) {
+        check_cancelled(context);
         changed = false;
-        std::vector<Vec3d> sums(colors.size());
-        std::vector<double> counts(colors.size(), 0.0);
+        std::vector<Vec3d> sums(cloud.size());
+        std::vector<double> counts(cloud.size(), 0.0);
         for (const Triangle& t : out.mesh.triangles)
             for (std::size_t k = 0; k < 3; ++k) {
-                const Index from = t[(k + 1) % 3];
-                if (is_seen[t[k]] || !is_seen[from]) continue;
-                const Rgb16 c = colors[from];
-                sums[t[k]] += vec_cast<double>(Vec3<std::uint16_t>{c.r, c.g, c.b});
-                ++counts[t[k]];
+                const Index to = t[k], from = t[(k + 1) % 3];
+                if (is_seen[to] || !is_seen[from]) continue;
+                ++counts[to];
+                cloud.rows[to] = cloud.rows[from];
+                if (cloud.colors.empty()) continue;
+                const Rgb16 c = cloud.colors[from];
+                sums[to] += vec_cast<double>(Vec3<std::uint16_t>{c.r, c.g, c.b});
             }
-        for (std::size_t v = 0; v < colors.size(); ++v) {
+        for (std::size_t v = 0; v < cloud.size(); ++v) {
             if (counts[v] == 0.0) continue;
-            const Vec3d mean = sums[v] / counts[v] + Vec3d{0.5, 0.5, 0.5};
-            colors[v] = {static_cast<std::uint16_t>(mean.x), static_cast<std::uint16_t>(mean.y),
-                         static_cast<std::uint16_t>(mean.z)};
             is_seen[v] = 1;
             changed = true;
+            if (cloud.colors.empty()) continue;
+            const Vec3d mean = sums[v] / counts[v] + Vec3d{0.5, 0.5, 0.5};
+            cloud.colors[v] = {static_cast<std::uint16_t>(mean.x),
+                               static_cast<std::uint16_t>(mean.y),
+                               static_cast<std::uint16_t>(mean.z)};
         }
     }
 }
 
 /// The surface lies before the middle of the splats, by half a thickness of them and more.
-void sink_in_place(SplatSurface& out, std::vector<double> depths) {
+void sink_in_place(SplatSurface& out, std::vector<double> depths, const Context& context) {
     for (int round = 0; round < kSmoothings; ++round)
         average_in_place(depths, out.mesh.triangles, 0.5);
     for (std::size_t v = 0; v < depths.size(); ++v)
         out.mesh.positions[v] -= vec_cast<double>(out.cloud.normals[v]) * (kSunk * depths[v]);
     // [Taubin95]: rough, but not smaller.
     for (int round = 0; round < kSmoothings; ++round) {
+        check_cancelled(context);
         average_in_place(out.mesh.positions, out.mesh.triangles, 0.5);
         average_in_place(out.mesh.positions, out.mesh.triangles, -0.53);
     }
@@ -311,8 +330,9 @@ void sink_in_place(SplatSurface& out, std::vector<double> depths) {
 
 SplatSurface splat_surface(const PointCloud& cloud, const Context& context) {
     const Splats splats = splats_of(cloud);
-    const SplatGrid grid(splats.items, kStepOverSigma * median_size(splats.items), context);
     SplatSurface out;
+    out.wanted_step = kStepOverSigma * median_size(splats.items);
+    const SplatGrid grid(splats.items, out.wanted_step, context);
     out.step = grid.step();
     const Mesh contour = Contouring(grid, context).run();
     if (contour.triangles.empty())
@@ -337,8 +357,8 @@ SplatSurface splat_surface(const PointCloud& cloud, const Context& context) {
             out.cloud.rows[v] = cloud.rows[view.point == kInvalidIndex ? 0 : view.point];
         }
     });
-    if (!cloud.colors.empty()) color_unseen_in_place(out, std::move(is_seen));
-    sink_in_place(out, depths);
+    color_unseen_in_place(out, std::move(is_seen), context);
+    sink_in_place(out, std::move(depths), context);
     out.cloud.frame = cloud.frame;
     out.cloud.num_rows = cloud.num_rows;
     out.cloud.dropped = cloud.dropped;

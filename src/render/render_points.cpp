@@ -7,7 +7,6 @@
 #include "core/kdtree.h"
 #include "core/kernel.h"
 #include "core/parallel.h"
-#include "core/splat.h"
 #include "render/canvas.h"
 #include "render/render_splats.h"
 
@@ -157,7 +156,7 @@ void add(const Disc& s, const Kernel& kernel, Band& band, std::vector<float>& we
 }  // namespace
 
 Image render_points(const PointCloud& cloud, const View& view, const Context& context) {
-    if (holds_splats(cloud)) return render::render_splats(cloud, view, context);
+    if (cloud.are_splats) return render::render_splats(cloud, view, context);
     const Camera camera(view, cloud.positions);
     std::vector<float> radii = radii_of(cloud, context);
     limit_in_place(radii);

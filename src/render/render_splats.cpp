@@ -54,6 +54,7 @@ Blot blot_of(const PointCloud& cloud, std::size_t p, const Camera& camera) {
 }
 
 void lay_under(const Blot& blot, Index id, Band& band, std::vector<float>& passed) {
+    if (blot.opacity < kLeastOpacity) return;
     const auto [first, last] =
         band.rows_between(blot.center.y - blot.reach_y, blot.center.y + blot.reach_y);
     const auto [begin, end] =
@@ -99,7 +100,9 @@ Image render_splats(const PointCloud& cloud, const View& view, const Context& co
             for (std::size_t k = 0; k < passed.size(); ++k) {
                 if (band.id[k] == kInvalidIndex) continue;
                 const Vec3f code = band.color[k] * (65535.0F / (1.0F - passed[k]));
-                const auto coded = [](float x) { return static_cast<std::uint16_t>(x + 0.5F); };
+                const auto coded = [](float x) {
+                    return static_cast<std::uint16_t>(std::min(x + 0.5F, 65535.0F));
+                };
                 band.color[k] = to_linear({coded(code.x), coded(code.y), coded(code.z)});
             }
         },

@@ -3,7 +3,6 @@
 
 #include "core/kdtree.h"
 #include "core/parallel.h"
-#include "core/splat.h"
 #include "pointbake/report.h"
 
 namespace pointbake {
@@ -121,7 +120,7 @@ CloudSummary summarize(const PointCloud& cloud, const Context& context) {
     add_scalars(out, "weights", "", cloud.weights, 1);
     for (const Channel& channel : cloud.channels)
         add_scalars(out, channel.name, channel.unit, channel.data, channel.num_components);
-    summary.are_splats = holds_splats(cloud);
+    summary.are_splats = cloud.are_splats;
     return summary;
 }
 

@@ -154,14 +154,18 @@ void ChartPatches::sum_errors(Index c) {
     }
 }
 
-std::uint8_t ChartPatches::first_within(Index chart, double bound) const {
+int ChartPatches::wanted(Index chart, double bound) const {
     int level = first_[chart];
     for (Index i = begin_[chart]; i < begin_[chart + 1]; ++i) {
         const Index t = members_[i];
         level = std::max(
             level, level_of(level_density(shell_.frame(t), triangles_.first_within(t, bound))));
     }
-    return static_cast<std::uint8_t>(std::min(level, last_[chart]));
+    return level;
+}
+
+std::uint8_t ChartPatches::first_within(Index chart, double bound) const {
+    return static_cast<std::uint8_t>(std::min(wanted(chart, bound), last_[chart]));
 }
 
 double ChartPatches::needed(Index chart, int level) const {

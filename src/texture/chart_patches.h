@@ -57,7 +57,10 @@ class ChartPatches {
     /// Corners of a triangle among the texels of its chart's patch at a level.
     std::array<Vec2d, 3> corners(Index triangle, int level) const;
     /// Would it be finer if patches could be larger?
-    bool is_cut_by_size(Index chart) const { return is_cut_[chart] != 0; }
+    /// Whether pages are too small for what the bound asks for.
+    bool is_cut_by_size(Index chart, double bound) const {
+        return is_cut_[chart] != 0 && wanted(chart, bound) > last_[chart];
+    }
     /// Is edge k of a triangle on the border of its chart?
     bool is_border(Index triangle, std::size_t k) const;
 
@@ -67,6 +70,7 @@ class ChartPatches {
     void sum_errors(Index chart);
     double triangle_error(Index t, double density) const;
     int level_of(double density) const;
+    int wanted(Index chart, double bound) const;  // level, of pages that are large enough
 
     const Mesh& mesh_;
     const std::vector<std::array<Index, 3>>& neighbors_;

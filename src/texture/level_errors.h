@@ -15,7 +15,7 @@ double level_density(const TriangleFrame& frame, int level);
 enum class CapReason : std::uint8_t { kNone, kSpacing, kCount, kSize };
 using CapCount = Index CappedCounts::*;
 
-/// Per triangle the levels 0 .. n-1 that were measured, coarse to fine.
+/// Per triangle the levels 0 .. n-1 that it may take, coarse to fine.
 class LevelErrors {
  public:
     struct Level {

@@ -350,8 +350,9 @@ CapCount TextureBaker::Impl::why_capped(Index t, const TexturePlan& plan, double
     if (needed(patch, wanted) > needed(patch, chosen)) return &CappedCounts::by_budget;
     const std::uint8_t own = levels.first_within(t, bound);
     if (static_cast<double>(levels.error(t, own)) > bound) return levels.cap(t);
-    return charts && charts->is_cut_by_size(static_cast<Index>(patch)) ? &CappedCounts::by_size
-                                                                       : &CappedCounts::by_layout;
+    return charts && charts->is_cut_by_size(static_cast<Index>(patch), bound)
+               ? &CappedCounts::by_size
+               : &CappedCounts::by_layout;
 }
 
 BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,

@@ -1,4 +1,5 @@
 // Gaussian splats, from file to file.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,10 +76,47 @@ TEST_F(Splats, OtherPointsHaveNoOpacity) {
               2);
 }
 
+TEST_F(Splats, AreToldOfRowByRow) {
+    // One of them twice: the second is merged.
+    folder_.write("twice.splat", splat_ball(2000) + splat_ball(2000).substr(0, 32));
+    const ProgramRun done = run({"twice.splat", "out.glb", "--write-points", "rows.ply"});
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_THAT(folder_.read("rows.ply"), HasSubstr("element vertex 2001"));
+}
+
+TEST_F(Splats, OptionsOfOtherMethodsAreRefused) {
+    for (const std::vector<std::string>& asked :
+         {std::vector<std::string>{"--thin", "off"}, {"--fill-holes", "1"}, {"--denoise", "on"}}) {
+        std::vector<std::string> words{"ball.splat", "ball.glb", "--method", "opacity"};
+        words.insert(words.end(), asked.begin(), asked.end());
+        const ProgramRun done = run(words);
+        EXPECT_EQ(done.exit_code, 2);
+        EXPECT_THAT(done.err, HasSubstr(asked[0]));
+    }
+}
+
+TEST_F(Splats, SurfelsWithConfidenceAreNone) {
+    std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 2000\nproperty float x\nproperty float y\nproperty "
+        "float z\nproperty float ux\nproperty float uy\nproperty float uz\nproperty float vx\n"
+        "property float vy\nproperty float vz\nproperty float weight\nend_header\n";
+    for (std::uint64_t i = 0; i < 2000; ++i) {
+        const Vec3d p = shapes::fibonacci_direction(i, 2000);
+        ply += fmt::format("{} {} {} {} {} {} {} {} {} 0.9\n", p.x, p.y, p.z, 0.06 * p.z, 0.0,
+                           -0.06 * p.x, 0.0, 0.06 * p.z, -0.06 * p.y);
+    }
+    folder_.write("surfels.ply", ply);
+    const ProgramRun done = run({"surfels.ply", "out.glb"});
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_THAT(done.err, testing::Not(HasSubstr("by opacity")));
+}
+
 TEST_F(Splats, AreExpectedToNeedMoreMemory) {
     const ProgramRun done = run({"ball.splat", "out.glb", "--max-memory", "150M"});
     EXPECT_EQ(done.exit_code, 5);
     EXPECT_THAT(done.err, HasSubstr("2,000 splats are expected to need up to 212 MB"));
+    EXPECT_EQ(run({"ball.splat", "out.glb", "--max-memory", "150M", "--surface", "open"}).exit_code,
+              0);
 }
 
 TEST_F(Splats, StandUprightBesideTheirModel) {

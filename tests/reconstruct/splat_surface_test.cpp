@@ -1,8 +1,10 @@
 // The surface around Gaussian splats.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stop_token>
 
 #include "core/adjacency.h"
 #include "pointbake/error.h"
@@ -13,7 +15,7 @@
 namespace pointbake {
 namespace {
 
-constexpr Rgb16 kRed{65535, 0, 0}, kGreen{0, 65535, 0};
+constexpr Rgb16 kRed{65535, 0, 0}, kGreen{0, 65535, 0}, kWhite{65535, 65535, 65535};
 
 void append(PointCloud& cloud, const PointCloud& more) {
     for (std::size_t i = 0; i < more.size(); ++i) {
@@ -158,6 +160,8 @@ TEST(SplatSurface, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
     EXPECT_EQ(a.cloud.colors, b.cloud.colors);
     EXPECT_EQ(a.cloud.rows, b.cloud.rows);
+    EXPECT_EQ(a.cloud.normals, b.cloud.normals);
+    EXPECT_EQ(a.cloud.areas, b.cloud.areas);
 }
 
 TEST(SplatSurface, OfOneSplatIsABlob) {
@@ -167,11 +171,18 @@ TEST(SplatSurface, OfOneSplatIsABlob) {
 }
 
 TEST(SplatSurface, NothingOpaqueIsRefused) {
-    PointCloud faint = splat_sphere(50, 1.0, kRed, 0.05F);
-    EXPECT_THROW(splat_surface(faint, {}), Error);
+    const auto code_of = [](const PointCloud& splats) {
+        try {
+            splat_surface(splats, {});
+        } catch (const Error& error) {
+            return error.code();
+        }
+        return ErrorCode::kCancelled;
+    };
+    EXPECT_EQ(code_of(splat_sphere(50, 1.0, kRed, 0.05F)), ErrorCode::kDegenerate);
     PointCloud flat = splat_sphere(50);
     flat.axes.assign(flat.size(), {});
-    EXPECT_THROW(splat_surface(flat, {}), Error);
+    EXPECT_EQ(code_of(flat), ErrorCode::kDegenerate);
 }
 
 TEST(SplatSurface, OfScatteredSplatsIsCoarseInsteadOfHuge) {
@@ -182,6 +193,62 @@ TEST(SplatSurface, OfScatteredSplatsIsCoarseInsteadOfHuge) {
     for (TangentAxes& a : splats.axes) a = {a.u * 1e-3F, a.v * 1e-3F};
     const SplatSurface found = splat_surface(splats, {});
     EXPECT_GT(found.step, 100.0);
+    EXPECT_GT(found.step, 1000.0 * found.wanted_step);
+    // Nothing is thick enough to be met by a line there.
+    for (const Rgb16& c : found.cloud.colors) EXPECT_EQ(c, kRed);
+}
+
+TEST(SplatSurface, LooksThroughToWhatIsSomeStepsBehind) {
+    // Wherever the lattice lies: with parts of its bricks' side as a shift.
+    const double step = splat_surface(splat_sphere(4000), {}).step;
+    for (int shift = 0; shift < 8; ++shift) {
+        PointCloud splats = splat_sphere(4000, 1.0, kRed, 0.2F);
+        append(splats, splat_sphere(4000, 1.0 - 3.0 * step, kGreen, 0.95F));
+        for (Vec3d& p : splats.positions) p += Vec3d{shift * step, 0.0, 0.0};
+        append(splats, one_of(splats, 0));  // keeps the lattice where it is
+        splats.positions.back() = {-4.0, -4.0, -4.0};
+        std::size_t num_red = 0;
+        const SplatSurface found = splat_surface(splats, {});
+        for (const Rgb16& c : found.cloud.colors) num_red += c.g < 6000;
+        EXPECT_LT(num_red, found.cloud.size() / 20) << shift;
+    }
+}
+
+TEST(SplatSurface, ManyDegreesOfWhiteAreWhite) {
+    for (const float opacity : {0.11F, 0.3F, 0.7F, 0.99F}) {
+        const SplatSurface found = splat_surface(splat_sphere(3000, 1.0, kWhite, opacity), {});
+        for (const Rgb16& c : found.cloud.colors)
+            EXPECT_GT(std::min({c.r, c.g, c.b}), 65500) << opacity;
+    }
+}
+
+TEST(SplatSurface, FarFromTheOriginIsAsFineAsCoordinatesAre) {
+    PointCloud splats = splat_sphere(1);
+    splats.positions[0] = {1e15, 1e15, 1e15};
+    splats.axes[0] = {{0.011F, 0.011F, 0.011F}, {0.0007F, -0.0007F, 0.0F}};
+    const SplatSurface found = splat_surface(splats, {});
+    EXPECT_GT(found.step, 100.0);
+    EXPECT_TRUE(topology(found.mesh.positions.size(), found.mesh.triangles).is_closed_manifold());
+}
+
+TEST(SplatSurface, TinyAndHugeOnesAreTheSame) {
+    const auto num_triangles = [](double size) {
+        PointCloud splats = splat_sphere(500);
+        for (Vec3d& p : splats.positions) p = p * size;
+        const auto scale = static_cast<float>(size);
+        for (TangentAxes& a : splats.axes) a = {a.u * scale, a.v * scale};
+        return splat_surface(splats, {}).mesh.triangles.size();
+    };
+    EXPECT_EQ(num_triangles(std::ldexp(1.0, -40)), num_triangles(1.0));
+    EXPECT_EQ(num_triangles(std::ldexp(1.0, 40)), num_triangles(1.0));
+}
+
+TEST(SplatSurface, StopsWhenCancelled) {
+    std::stop_source stop;
+    stop.request_stop();
+    Context context;
+    context.stop = stop.get_token();
+    EXPECT_THROW(splat_surface(splat_sphere(100), context), Error);
 }
 
 TEST(SplatSurface, SplatsWithoutANormalAreAsThickAsWide) {
@@ -192,6 +259,35 @@ TEST(SplatSurface, SplatsWithoutANormalAreAsThickAsWide) {
     cloud.normals[0] = {};
     const Splat blob = splat_of(cloud, 0);
     EXPECT_FLOAT_EQ(blob.sigmas[2], blob.sigmas[1]);
+}
+
+TEST(SplatGrid, FindsEveryCubeWithBothSigns) {
+    for (int part = 0; part < 8; ++part) {
+        const double shift = 0.05 * part;  // of a brick's side
+        PointCloud cloud = splat_sphere(4000);
+        std::vector<Splat> splats;
+        for (std::size_t i = 0; i < cloud.size(); ++i) splats.push_back(splat_of(cloud, i));
+        // Moves the lattice.
+        splats.push_back(splats[0]);
+        splats.back().center = {-1.5 - shift, -1.5 - shift, -1.5 - shift};
+        const SplatGrid grid(splats, 0.05, {});
+        std::vector<SplatGrid::Point> wanted;
+        const SplatGrid::Point size = grid.size();
+        SplatGrid::Point p{};
+        for (p[2] = 0; p[2] + 1 < size[2]; ++p[2])
+            for (p[1] = 0; p[1] + 1 < size[1]; ++p[1])
+                for (p[0] = 0; p[0] + 1 < size[0]; ++p[0]) {
+                    int num_inside = 0;
+                    for (int c = 0; c < 8; ++c)
+                        num_inside +=
+                            grid.value({p[0] + (c & 1), p[1] + (c >> 1 & 1), p[2] + (c >> 2)}) < 0;
+                    if (num_inside > 0 && num_inside < 8) wanted.push_back(p);
+                }
+        std::vector<SplatGrid::Point> found = grid.mixed_cubes({});
+        std::ranges::sort(found);
+        std::ranges::sort(wanted);
+        EXPECT_EQ(found, wanted) << shift;
+    }
 }
 
 TEST(SplatGrid, IsBelowZeroInsideAndAboveOutside) {

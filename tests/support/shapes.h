@@ -60,6 +60,7 @@ inline void make_splats(PointCloud& cloud, float sigma, float opacity) {
         cloud.axes.push_back({u * sigma, cross(n, u) * sigma});
     }
     cloud.weights.assign(cloud.size(), opacity);
+    cloud.are_splats = true;
 }
 
 /// The half of the unit sphere with y >= 0: open, one boundary loop (at y = 0).
