@@ -9,7 +9,7 @@ namespace pointbake {
 struct SplatSurface {
     PointCloud cloud;  ///< a point per vertex, in the mesh's order, with its normal, colour and
                        ///< area; its row is that of the splat which shows most there, or beside it
-    Mesh mesh;                 ///< closed 2-manifold, counter-clockwise seen from outside
+    Mesh mesh;         ///< closed 2-manifold, counter-clockwise seen from outside
     double wanted_step = 0.0;  ///< edge of the grid's cubes that suits the splats' sizes
     double step = 0.0;         ///< what it is: more where that were too many cubes
 };
