@@ -13,8 +13,10 @@ ProgressMode choose_progress(int verbosity, std::optional<ProgressMode> asked) {
     return verbosity >= 0 && isatty(STDERR_FILENO) ? ProgressMode::kBar : ProgressMode::kNone;
 }
 
+/// Where nobody listens the work goes on all the same.
 void print_line(std::string_view prefix, std::string_view text) {
-    fmt::print(stderr, "{}{}\n", prefix, text);
+    const std::string line = fmt::format("{}{}\n", prefix, text);
+    std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 }  // namespace

@@ -115,6 +115,10 @@ std::vector<std::uint8_t> off_surface(const ConvertResult& result) {
     return marks;
 }
 
+bool has_colors(const TexturedMesh& model) {
+    return !model.images.empty() || !model.mesh.colors.empty();
+}
+
 /// The run in steps; each step is told by its name.
 class Run {
  public:
@@ -149,6 +153,11 @@ class Run {
         ConvertInput input{
             .cloud = std::move(loaded.cloud), .file_mesh = std::move(loaded.mesh), .mesh = {}};
         if (!job_.mesh.mesh.empty()) input.mesh = load_mesh(job_.mesh.mesh, context_);
+        if (input.mesh && job_.stop.stop_after == Stage::kSimplify && has_colors(*input.mesh))
+            console_.warning(
+                fmt::format("the texture and colours of {} are not kept: this is about "
+                            "its shape alone",
+                            job_.mesh.mesh.string()));
         load_time_ = {Stage::kLoad, watch.seconds(), peak_memory_bytes()};
         return input;
     }

@@ -8,7 +8,9 @@
 namespace pointbake::cli {
 namespace {
 
-std::string overrules(bool is_asked, std::string_view option) {
+/// Of files that hold coordinates alone no option changes these.
+std::string overrules(const RunReport& r, bool is_asked, std::string_view option) {
+    if (!r.write.has_transform) return "";
     return is_asked ? fmt::format(" (as {} says)", option) : fmt::format(" ({} overrules)", option);
 }
 
@@ -18,7 +20,7 @@ std::string axes_line(const RunReport& r) {
                        !r.write.has_transform ? "coordinates stay as they are"
                        : up == UpAxis::kY     ? "as glTF has it"
                                               : "turned to y up by the node",
-                       overrules(up != r.frame.up, "--up"));
+                       overrules(r, up != r.frame.up, "--up"));
 }
 
 std::string units_line(const RunReport& r) {
@@ -27,7 +29,7 @@ std::string units_line(const RunReport& r) {
     return fmt::format("units: {} of {:.10g} m: {}{}",
                        is_asked || frame.unit.empty() ? "unit" : frame.unit, frame.metres_per_unit,
                        r.write.has_transform ? "scaled to metres by the node" : "coordinates stay",
-                       overrules(is_asked, "--scale"));
+                       overrules(r, is_asked, "--scale"));
 }
 
 std::string crs_text(const Crs& crs) {

@@ -170,6 +170,7 @@ std::string surface_plan(const Job& job, const ConvertInput& input) {
     if (input.mesh)
         return fmt::format("taken from {}, {}", job.mesh.mesh.string(),
                            counted(input.mesh->mesh.triangles.size(), "triangle"));
+    if (goes_around_splats(input.cloud, job.convert)) return "watertight by opacity, around splats";
     const ReconstructOptions& options = job.convert.reconstruct;
     std::string text =
         fmt::format("{}, method {}", to_word(options.surface), to_word(options.method));

@@ -47,6 +47,20 @@ TEST_F(Conversion, WritesAGlbBesideTheInputAndASummaryToStderr) {
     EXPECT_THAT(done.err, testing::Not(HasSubstr("\033"))) << "a bar off the terminal";
 }
 
+TEST_F(Conversion, GoesOnWhereNobodyListens) {
+    folder_.write("deaf", "");
+    EXPECT_EQ(run({"in.ply", "-v", "-v", "--progress", "json"}).exit_code, 0);
+    EXPECT_THAT(folder_.read("in.glb"), testing::StartsWith("glTF"));
+    EXPECT_EQ(run({"nothere.ply"}).exit_code, 3);
+    EXPECT_EQ(run({"--nosuch"}).exit_code, 2);
+}
+
+TEST_F(Conversion, SimplifyTellsThatTheTextureIsNotKept) {
+    run_well({"in.ply", "out.glb", "--triangles", "300"});
+    EXPECT_THAT(run_well({"simplify", "out.glb", "light.ply"}).err,
+                HasSubstr("the texture and colours of out.glb are not kept"));
+}
+
 TEST_F(Conversion, TellsOfTheDenseMesh) {
     EXPECT_THAT(run_well({"reconstruct", "in.ply", "dense.ply"}).err,
                 testing::ContainsRegex("3,000 points -> [0-9,]+ triangles in 1 piece with 0 "

@@ -65,8 +65,10 @@ RunningProgram::RunningProgram(const TemporaryFolder& folder,
     : start_(now()) {
     // The shell sets folder and limit, then becomes the program: signals reach it directly.
     const std::string script = fmt::format(
-        "cd '{}' && [ -f stdin ] && exec <stdin; {} exec '{}' \"$@\"", folder.path().string(),
-        blocks > 0 ? fmt::format("ulimit -f {};", blocks) : "", POINTBAKE_PROGRAM);
+        "cd '{}' && [ -f stdin ] && exec <stdin; [ -f deaf ] && exec 2>/dev/full; {} exec '{}' "
+        "\"$@\"",
+        folder.path().string(), blocks > 0 ? fmt::format("ulimit -f {};", blocks) : "",
+        POINTBAKE_PROGRAM);
     std::vector<std::string> words = {"sh", "-c", script, "pointbake"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;

@@ -38,7 +38,8 @@ struct ProgramRun {
     long peak_kilobytes = 0;
 };
 
-/// A program that is running; its folder is `folder`. A file `stdin` there is its standard input.
+/// A program that is running; its folder is `folder`. A file `stdin` there is its standard input;
+/// with a file `deaf` nothing can be written to stderr.
 class RunningProgram {
  public:
     /// blocks: largest file it may write, in units of 512 bytes; 0 = no limit.

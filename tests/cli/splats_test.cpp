@@ -76,6 +76,16 @@ TEST_F(Splats, OtherPointsHaveNoOpacity) {
               2);
 }
 
+TEST_F(Splats, ADryRunTellsWhatBecomesOfThem) {
+    EXPECT_THAT(run({"ball.splat", "--dry-run"}).err + run({"ball.splat", "--dry-run"}).out,
+                HasSubstr("watertight by opacity, around splats"));
+}
+
+TEST_F(Splats, AxesOfFilesWithoutTransformAreNotSaidToBeOverruled) {
+    EXPECT_THAT(run({"ball.splat", "a.glb"}).err, HasSubstr("(--up overrules)"));
+    EXPECT_THAT(run({"ball.splat", "a.obj"}).err, testing::Not(HasSubstr("overrules")));
+}
+
 TEST_F(Splats, AreToldOfRowByRow) {
     // One of them twice: the second is merged.
     folder_.write("twice.splat", splat_ball(2000) + splat_ball(2000).substr(0, 32));
