@@ -1,6 +1,9 @@
 // Lines and numbers of text files.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -31,7 +34,34 @@ struct ShortNumber {
 
 /// A number of at most 15 digits without an exponent: the same bits as std::from_chars gives,
 /// sooner.
-ShortNumber read_short_number(const char* begin, const char* end);
+// Both the digits as a whole number and the power of ten are doubles, and their quotient is rounded
+// once.
+inline ShortNumber read_short_number(const char* begin, const char* end) {
+    constexpr std::array<double, 16> kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                             1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    const char* p = begin;
+    const bool is_negative = p != end && *p == '-';
+    p += is_negative;
+    std::uint64_t digits = 0;
+    const auto take_digits = [&] {
+        const char* const first = p;
+        for (; p != end; ++p) {
+            const auto digit = static_cast<unsigned>(*p - '0');
+            if (digit > 9) break;
+            digits = digits * 10 + digit;
+        }
+        return p - first;
+    };
+    std::ptrdiff_t num_digits = take_digits(), num_behind = 0;
+    if (p != end && *p == '.') {
+        ++p;
+        num_behind = take_digits();
+        num_digits += num_behind;
+    }
+    if (num_digits == 0 || num_digits >= std::ssize(kPowers)) return {};
+    const double size = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(num_behind)];
+    return {p, is_negative ? -size : size, num_behind > 0};
+}
 
 /// The numbers of a line, between blanks. Reads "nan", "inf", a leading '+', and Windows' "1.#QNAN"
 /// (as NaN); the same bits in every locale.
