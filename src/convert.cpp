@@ -176,6 +176,21 @@ ReconstructResult given_mesh(ConvertInput& input) {
     return out;
 }
 
+// The splats become points of a surface around them, as if the file held it. Returns its grid's
+// step.
+double go_around(PointCloud& cloud, ConvertInput& input, ConvertResult& result,
+                 const Context& context) {
+    SplatSurface around = splat_surface(cloud, context);
+    result.splats = std::exchange(cloud, std::move(around.cloud));
+    input.file_mesh = std::move(around.mesh);
+    if (around.step > around.wanted_step)
+        warn(result, context,
+             fmt::format("the splats extend too far for a grid of {:.3g}: it is of {:.3g}, and "
+                         "details are lost; --crop what lies far off",
+                         around.wanted_step, around.step));
+    return around.step;
+}
+
 void tell_of_splats(const ConvertResult& result, double step, ReconstructReport& report) {
     const Mesh& mesh = result.dense.mesh;
     const Topology found = topology(mesh.positions.size(), mesh.triangles);
@@ -416,16 +431,8 @@ ConvertResult convert(ConvertInput input, const ConvertOptions& given,
                 clean(std::move(input.cloud), cleaning_for(input, options), context);
             result.report.clean = cleaned.report;
             if (!is_given && goes_around_splats(cleaned.cloud, options)) {
-                SplatSurface around = splat_surface(cleaned.cloud, context);
-                result.splats = std::exchange(cleaned.cloud, std::move(around.cloud));
-                input.file_mesh = std::move(around.mesh);
-                splat_step = around.step;
+                splat_step = go_around(cleaned.cloud, input, result, context);
                 is_given = true;
-                if (around.step > around.wanted_step)
-                    warn(result, context,
-                         fmt::format("the splats extend too far for a grid of {:.3g}: it is of "
-                                     "{:.3g}, and details are lost; --crop what lies far off",
-                                     around.wanted_step, around.step));
             }
             // A surface that is given is not second-guessed.
             DenoiseResult denoised = is_given ? DenoiseResult{std::move(cleaned.cloud), {}}

@@ -14,7 +14,6 @@ namespace pointbake {
 namespace {
 
 constexpr float kCut2 = kSplatCut * kSplatCut;
-constexpr double kThinnest = 0.6;  // standard deviation, in steps
 constexpr float kOpaqueFrom = 0.4F;
 constexpr float kEnclosed = -0.05F;  // value of free space that is not outside
 constexpr int kClosing = 2;          // steps

@@ -16,6 +16,8 @@ namespace pointbake {
 class SplatGrid {
  public:
     using Point = std::array<std::int32_t, 3>;
+    static constexpr double kThinnest =
+        0.6;  ///< standard deviation that splats have here, in steps
 
     /// The step is doubled while the lattice would have too many points: around extents of some
     /// 2 000 steps a side, or surfaces of some 10 million square steps.
@@ -28,7 +30,7 @@ class SplatGrid {
 
     /// Above 0 outside: where the opacity is less than 0.4 and space hangs together with that
     /// around all splats, through gaps wider than four steps. Linear in the opacity where that is
-    /// more, too. Splats are not thinner here than 0.6 steps.
+    /// more, too. Splats are not thinner here than kThinnest.
     float value(const Point& point) const;
     /// The lower corners of the lattice's cubes whose corners have values of both signs, in an
     /// order of their places.

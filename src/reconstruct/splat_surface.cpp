@@ -3,6 +3,7 @@
 #include <span>
 
 #include "core/kernel.h"
+#include "core/median.h"
 #include "core/message.h"
 #include "core/parallel.h"
 #include "core/union_find.h"
@@ -19,7 +20,6 @@ constexpr double kStepOverSigma = 3.0;  // of the splats' median second standard
 constexpr double kLeastPiece = 1e-3;    // of the largest one's triangles
 // A look along the normal begins and ends so many steps before and behind the surface.
 constexpr double kBefore = 3.0, kBehind = 6.0;
-constexpr double kThinnest = 0.6;  // steps
 constexpr int kSmoothings = 10;
 constexpr double kSunk = 0.7;      // of the depth
 constexpr double kMostSunk = 1.5;  // steps
@@ -46,9 +46,7 @@ Splats splats_of(const PointCloud& cloud) {
 double median_size(const std::vector<Splat>& splats) {
     std::vector<float> sizes;
     for (const Splat& s : splats) sizes.push_back(std::min(s.sigmas[0], s.sigmas[1]));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    return static_cast<double>(*middle);
+    return static_cast<double>(median_in_place(std::span(sizes)));
 }
 
 /// The grid's tetrahedra where it changes its sign, contoured.
@@ -175,7 +173,8 @@ class Viewer {
     View from_outside(Vec3d place, Vec3f normal) {
         find_hits(place, normal, 0.0F);
         // The grid has thickened what is thinner than its steps.
-        if (hits_.empty()) find_hits(place, normal, static_cast<float>(kThinnest * grid_.step()));
+        if (hits_.empty())
+            find_hits(place, normal, static_cast<float>(SplatGrid::kThinnest * grid_.step()));
         std::sort(hits_.begin(), hits_.end());
         Vec3f sum;
         float passed = 1.0F, most = 0.0F, depth = 0.0F;

@@ -56,7 +56,6 @@ class ChartPatches {
     NeedSet need(Index chart, int level) const;
     /// Corners of a triangle among the texels of its chart's patch at a level.
     std::array<Vec2d, 3> corners(Index triangle, int level) const;
-    /// Would it be finer if patches could be larger?
     /// Whether pages are too small for what the bound asks for.
     bool is_cut_by_size(Index chart, double bound) const {
         return is_cut_[chart] != 0 && wanted(chart, bound) > last_[chart];

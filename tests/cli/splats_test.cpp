@@ -58,9 +58,7 @@ TEST_F(Splats, AreJoinedAsPointsWhereThatIsAskedFor) {
     for (const std::vector<std::string>& asked : {std::vector<std::string>{"--surface", "open"},
                                                   {"--method", "implicit"},
                                                   {"--denoise", "on"}}) {
-        std::vector<std::string> words{"ball.splat", "ball.glb"};
-        words.insert(words.end(), asked.begin(), asked.end());
-        const ProgramRun done = run(words);
+        const ProgramRun done = run({"ball.splat", "ball.glb", asked[0], asked[1]});
         EXPECT_EQ(done.exit_code, 0) << done.err;
         EXPECT_THAT(done.err, testing::Not(HasSubstr("by opacity")));
         EXPECT_THAT(done.err, HasSubstr("points -> "));
@@ -97,9 +95,8 @@ TEST_F(Splats, AreToldOfRowByRow) {
 TEST_F(Splats, OptionsOfOtherMethodsAreRefused) {
     for (const std::vector<std::string>& asked :
          {std::vector<std::string>{"--thin", "off"}, {"--fill-holes", "1"}, {"--denoise", "on"}}) {
-        std::vector<std::string> words{"ball.splat", "ball.glb", "--method", "opacity"};
-        words.insert(words.end(), asked.begin(), asked.end());
-        const ProgramRun done = run(words);
+        const ProgramRun done =
+            run({"ball.splat", "ball.glb", "--method", "opacity", asked[0], asked[1]});
         EXPECT_EQ(done.exit_code, 2);
         EXPECT_THAT(done.err, HasSubstr(asked[0]));
     }
