@@ -2,12 +2,13 @@
 // points in the same run, the figure that reconstruct is held to:
 //
 //     reconstruct_ratio cocone|tight-cocone|robust-cocone|implicit|denoise [POINTS [NOISE
-//     [THREADS]]]
+//     [THREADS [off]]]]
 //
 // Noise in spacings; 0 for Cocone and Tight Cocone, else 0.3. Processor time, the better of two:
 // other programs on the machine count little then. With more threads the seconds on the wall tell.
-// One method a run, as the peak of memory is the process's. `off` is the mean distance from the
-// mesh's vertices (denoise: the points) to the true torus, in spacings.
+// `off` at the end: without thinning. One method a run, as the peak of memory is the process's.
+// `off` is the mean distance from the mesh's vertices (denoise: the points) to the true torus, in
+// spacings.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -97,7 +98,7 @@ std::uint64_t resident_bytes() {
     return resident * 4096;
 }
 
-int run(const std::string& word, std::uint64_t n, double noise, int threads) {
+int run(const std::string& word, std::uint64_t n, double noise, int threads, Thin thin) {
     const double spacing =
         std::sqrt(4.0 * std::numbers::pi * std::numbers::pi * kMinor / static_cast<double>(n));
     PointCloud cloud = wavy_torus(n, noise * spacing);
@@ -116,7 +117,8 @@ int run(const std::string& word, std::uint64_t n, double noise, int threads) {
                 off = mean_distance(result.cloud.positions);
                 return;
             }
-            const auto result = reconstruct(cloud, {.method = method_of(word)}, context);
+            const auto result =
+                reconstruct(cloud, {.method = method_of(word), .thin = thin}, context);
             off = mean_distance(result.surface.mesh.positions);
             triangles = result.report.num_triangles;
             points = n - result.report.num_thinned;
@@ -143,5 +145,7 @@ int main(int argc, char** argv) {
     const std::uint64_t n = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1'000'000;
     const bool is_exact = word == "cocone" || word == "tight-cocone";
     const double noise = argc > 3 ? std::atof(argv[3]) : (is_exact ? 0.0 : 0.3);
-    return pointbake::run(word, n, noise, argc > 4 ? std::atoi(argv[4]) : 1);
+    const pointbake::Thin thin =
+        argc > 5 && std::string(argv[5]) == "off" ? pointbake::Thin::kOff : pointbake::Thin::kAuto;
+    return pointbake::run(word, n, noise, argc > 4 ? std::atoi(argv[4]) : 1, thin);
 }

@@ -68,10 +68,10 @@ void ProgressBar::report(std::string_view stage, double fraction) {
     const Clock::time_point now = Clock::now();
     const bool is_due =
         std::chrono::duration<double>(now - last_drawn_).count() >= kSecondsBetweenDrawings;
-    // The end of a stage is always told to programs; people need no flicker.
-    const bool is_end = mode_ == ProgressMode::kJson && fraction >= 1.0 &&
-                        (stage != last_stage_ || fraction > last_fraction_);
-    if (!is_due && !is_end) return;
+    // Begin and end of a stage are always told to programs; people need no flicker.
+    const bool is_edge = mode_ == ProgressMode::kJson &&
+                         (stage != last_stage_ || (fraction >= 1.0 && fraction > last_fraction_));
+    if (!is_due && !is_edge) return;
     last_drawn_ = now;
     last_stage_ = stage;
     last_fraction_ = fraction;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/kdtree.h"
 #include "core/parallel.h"
@@ -24,10 +25,9 @@ class Thinner {
 
     std::vector<Index> run() {
         find_reach();
-        const Rivals rivals = gather_rivals(
-            points_.size(), [&](Index i, std::vector<Index>& list) { append_rivals(i, list); },
-            context_);
-        const std::vector<std::uint8_t> is_kept = choose_among_rivals(points_, rivals, context_);
+        gather_rivals();
+        const std::vector<std::uint8_t> is_kept =
+            choose_among_rivals(points_, [&](Index i) { return rivals_of(i); }, context_);
         std::vector<Index> kept;
         for (Index i = 0; i < is_kept.size(); ++i)
             if (is_kept[i] != 0) kept.push_back(i);
@@ -69,6 +69,25 @@ class Thinner {
         return kSlack * share_ * share_ * kPi * farthest2 / static_cast<double>(kNeighbors);
     }
 
+    void gather_rivals() {
+        begin_.assign(points_.size() + 1, 0);
+        std::vector<std::vector<Index>> found_in((points_.size() + kGrain - 1) / kGrain);
+        parallel_for(context_, points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            std::vector<Index>& found = found_in[begin / kGrain];
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::size_t before = found.size();
+                append_rivals(static_cast<Index>(i), found);
+                begin_[i + 1] = found.size() - before;
+            }
+        });
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        for (const auto& part : found_in) rivals_.insert(rivals_.end(), part.begin(), part.end());
+    }
+
+    std::span<const Index> rivals_of(Index point) const {
+        return std::span(rivals_).subspan(begin_[point], begin_[point + 1] - begin_[point]);
+    }
+
     // Few points have any.
     void append_rivals(Index i, std::vector<Index>& list) const {
         if (may_have_rivals_[i] == 0) return;
@@ -84,6 +103,8 @@ class Thinner {
     KdTree tree_;
     std::vector<double> reach2_;
     std::vector<std::uint8_t> may_have_rivals_;
+    std::vector<std::size_t> begin_;  // of each point's rivals
+    std::vector<Index> rivals_;
 };
 
 }  // namespace
@@ -97,7 +118,8 @@ std::vector<Index> thin(std::span<const Vec3d> points, ThinRule rule, const Cont
     if (rule.tolerance > 0.0) {
         for (std::size_t k = 0; k < kept.size(); ++k) sorted[k] = sorted[kept[k]];
         sorted.resize(kept.size());
-        std::vector<Index> enough = thin_smooth(sorted, rule.tolerance, rule.most_length, context);
+        std::vector<Index> enough =
+            thin_smooth(std::move(sorted), rule.tolerance, rule.most_length, context);
         for (Index& i : enough) i = kept[i];
         kept = std::move(enough);
     }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "core/kdtree.h"
 #include "core/local_quadric.h"
@@ -51,14 +52,13 @@ class Round {
           tolerance_(tolerance),
           most_length_(most_length),
           context_(context),
-          tree_(in.points) {}
+          tree_(std::in_place, in.points) {}
 
     Subset run() {
         find_reach();
-        const Rivals rivals = gather_rivals(
-            in_.points.size(), [&](Index i, std::vector<Index>& list) { append_rivals(i, list); },
-            context_);
-        return subset(choose_among_rivals(in_.points, rivals, context_));
+        keep_rivals();
+        return subset(choose_among_rivals(
+            in_.points, [&](Index i) { return neighbors_of(i).first(num_rivals_[i]); }, context_));
     }
 
  private:
@@ -79,8 +79,9 @@ class Round {
         parallel_for(context_, n, kGrain, [&](std::size_t begin, std::size_t end) {
             Buffer buffer;
             for (std::size_t i = begin; i < end; ++i)
-                if (in_.may_thin[i] != 0) look(i, tree_.nearest(in_.points[i], buffer));
+                if (in_.may_thin[i] != 0) look(i, tree_->nearest(in_.points[i], buffer));
         });
+        tree_.reset();
         reach_.resize(n);
         parallel_for(context_, n, kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
@@ -127,8 +128,8 @@ class Round {
     // No other sheet is near.
     bool is_alone(Vec3d p, Vec3d normal, double reach) const {
         const double radius = kBallRadius * reach, inner = (1.0 - kDeepest) * radius;
-        return !tree_.has_within(p + normal * radius, inner * inner) &&
-               !tree_.has_within(p - normal * radius, inner * inner);
+        return !tree_->has_within(p + normal * radius, inner * inner) &&
+               !tree_->has_within(p - normal * radius, inner * inner);
     }
 
     float apart(std::size_t i) const {
@@ -145,12 +146,20 @@ class Round {
         return reach;
     }
 
-    void append_rivals(Index i, std::vector<Index>& list) const {
-        if (reach_[i] == 0.0) return;
-        for (Index j : neighbors_of(i)) {
-            const double reach = std::min(reach_[i], reach_[j]);
-            if (squared_length(in_.points[i] - in_.points[j]) < reach * reach) list.push_back(j);
-        }
+    // Of each point's neighbours, those it cannot stay beside, at the front of its row.
+    void keep_rivals() {
+        num_rivals_.assign(in_.points.size(), 0);
+        parallel_for(context_, in_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (reach_[i] == 0.0) continue;
+                const auto row = std::span(neighbors_).subspan(i * kNeighbors, kNeighbors);
+                const auto last = std::remove_if(row.begin(), row.end(), [&](Index j) {
+                    const double reach = std::min(reach_[i], reach_[j]);
+                    return squared_length(in_.points[i] - in_.points[j]) >= reach * reach;
+                });
+                num_rivals_[i] = static_cast<std::uint8_t>(last - row.begin());
+            }
+        });
     }
 
     std::span<const Index> neighbors_of(Index i) const {
@@ -175,22 +184,23 @@ class Round {
     const Subset& in_;
     double tolerance_, most_length_;
     const Context& context_;
-    KdTree tree_;
+    std::optional<KdTree> tree_;  // until the neighbours are known
     std::vector<Look> looks_;
     std::vector<Index> neighbors_;
     std::vector<float> lengths_;
     std::vector<double> reach_;
+    std::vector<std::uint8_t> num_rivals_;
 };
 
 }  // namespace
 
-std::vector<Index> thin_smooth(std::span<const Vec3d> points, double tolerance, double most_length,
+std::vector<Index> thin_smooth(std::vector<Vec3d> points, double tolerance, double most_length,
                                const Context& context) {
     Subset subset;
     subset.ids.resize(points.size());
     std::iota(subset.ids.begin(), subset.ids.end(), Index{0});
-    subset.points.assign(points.begin(), points.end());
     subset.may_thin.assign(points.size(), 1);
+    subset.points = std::move(points);
     for (int round = 0; round < kRounds && subset.ids.size() >= kFewestPoints; ++round) {
         const auto before = static_cast<double>(subset.ids.size());
         subset = Round(subset, tolerance, most_length, context).run();

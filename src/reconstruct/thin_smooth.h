@@ -1,7 +1,6 @@
 // Which points a smooth surface needs.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "pointbake/context.h"
@@ -16,7 +15,7 @@ namespace pointbake {
 /// of t, and where another sheet is nearer than four of the new spacings. Three rounds, each of
 /// which keeps points at most two spacings apart: some 16 of the first ones at the end. The order
 /// of the points decides nothing, but searches are fast if they come sorted by place. O(n log n).
-std::vector<Index> thin_smooth(std::span<const Vec3d> points, double tolerance, double most_length,
+std::vector<Index> thin_smooth(std::vector<Vec3d> points, double tolerance, double most_length,
                                const Context& context);
 
 }  // namespace pointbake

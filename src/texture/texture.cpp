@@ -177,6 +177,7 @@ TextureBaker::TextureBaker(const Mesh& mesh, const PointCloud& cloud, std::span<
     if (cloud.colors.empty() && cloud.normals.empty()) {
         fail(ErrorCode::kInvalidInput, "the texture stage needs colours or normals");
     }
+    report_progress(context, "texture", 0.0);
     impl_ = std::make_unique<Impl>(mesh, cloud, owners, options, context);
 }
 
