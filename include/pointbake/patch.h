@@ -22,7 +22,7 @@ struct PatchShape {
         Span span;
     };
     std::vector<Span> rows;
-    Index likeness = 0;       ///< like patches have near numbers: side by side they may bleed
+    Vec3f color{};            ///< mean value: like patches may bleed into each other
     std::vector<Gap> gaps{};  ///< inside the rows' spans, ascending, apart; one triangle has none
 
     int height() const { return static_cast<int>(rows.size()); }

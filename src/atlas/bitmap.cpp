@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+#include "atlas/tints.h"
 #include "core/parallel.h"
 
 namespace pointbake {
@@ -303,12 +304,13 @@ std::vector<Index> packing_order(std::span<const PatchShape> shapes) {
                               ? kLarge
                               : static_cast<int>(std::bit_width(static_cast<std::uint64_t>(size))) /
                                     2);
+    const std::vector<Index> likeness = order_by_color(shapes);
     std::vector<Index> order(shapes.size());
     std::iota(order.begin(), order.end(), Index{0});
     std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
         if (classes[a] != classes[b]) return classes[a] > classes[b];
         if (classes[a] == kLarge) return sizes[a] > sizes[b];
-        return shapes[a].likeness < shapes[b].likeness;
+        return likeness[a] < likeness[b];
     });
     return order;
 }

@@ -18,7 +18,7 @@ std::strong_ordering compare_rows(const PatchShape& a, const PatchShape& b) {
 
 }  // namespace
 
-ShapeSet::ShapeSet(std::span<const PatchShape> shapes) : items_(shapes.size()) {
+ShapeSet::ShapeSet(std::span<const PatchShape> shapes) : items_(shapes.size()), tints_(shapes) {
     for (Index i = 0; i < shapes.size(); ++i) {
         Item& item = items_[i];
         item.shape = i;
@@ -26,8 +26,6 @@ ShapeSet::ShapeSet(std::span<const PatchShape> shapes) : items_(shapes.size()) {
         item.width = shapes[i].width();
         item.num_texels = static_cast<int>(shapes[i].num_texels());
         num_texels_ += item.num_texels;
-        item.tint = static_cast<double>(shapes[i].likeness) / static_cast<double>(shapes.size());
-        has_tints_ = has_tints_ || shapes[i].likeness != 0;
         max_width_ = std::max(max_width_, item.width);
         max_height_ = std::max(max_height_, item.height);
     }

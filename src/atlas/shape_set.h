@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "atlas/tints.h"
 #include "pointbake/atlas.h"
 
 namespace pointbake {
@@ -32,7 +33,6 @@ class ShapeSet {
         Index shape = 0;  ///< position in the input
         int height = 0, width = 0;
         int num_texels = 0;
-        double tint = 0.0;      ///< where its likeness stands among those of all, 0 to 1
         std::size_t first = 0;  ///< of its four profiles, each of num_blocks(height) blocks
         int group = 0;          ///< the same for shapes with the same rows
     };
@@ -42,7 +42,7 @@ class ShapeSet {
     std::int64_t num_texels() const { return num_texels_; }
     int max_width() const { return max_width_; }
     int max_height() const { return max_height_; }
-    bool has_tints() const { return has_tints_; }  ///< some likeness was given
+    const Tints& tints() const { return tints_; }
 
     /// Free texels left of each row of the bounding box.
     const std::int16_t* left_profile(int rank, int pose) const {
@@ -56,7 +56,7 @@ class ShapeSet {
     std::vector<std::int16_t> profiles_;
     std::int64_t num_texels_ = 0;
     int max_width_ = 0, max_height_ = 0;
-    bool has_tints_ = false;
+    Tints tints_;
 };
 
 /// Throws Error{kInvalidInput} unless every row of every shape has a texel and the first column is

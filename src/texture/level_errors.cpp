@@ -20,7 +20,7 @@ bool is_within(int level, float error, double bound) {
 }
 
 // What forbids a level, if anything.
-CapReason cap_of(const TriangleFrame& frame, int level, double min_pitch, std::size_t num_points,
+CapReason cap_of(const TriangleFrame& frame, int level, double min_pitch, std::size_t num_places,
                  int max_patch) {
     if (level <= 1) return CapReason::kNone;
     const double density = level_density(frame, level);
@@ -29,7 +29,7 @@ CapReason cap_of(const TriangleFrame& frame, int level, double min_pitch, std::s
     if (layout.base + 2 > max_patch) return CapReason::kSize;
     const double surface = 0.5 * layout.base * layout.height;
     const double allowed =
-        kTexelsPerPoint * static_cast<double>(std::max<std::size_t>(num_points, 1));
+        kTexelsPerPoint * static_cast<double>(std::max<std::size_t>(num_places, 1));
     return surface > allowed && level > 2 ? CapReason::kCount : CapReason::kNone;
 }
 
@@ -88,13 +88,16 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, con
             gauge.place_probes();
             gauge.add_border_probes();
             const double min_pitch = gauge.min_pitch();
+            // The border of a patch of its own is a seam, with points beside it or not.
+            const std::size_t num_places =
+                std::max(scene.prints.of(triangle).size(),
+                         options.atlas == AtlasKind::kTriangles ? gauge.num_border_places() : 0);
             LevelErrors::Patch& patch = out.patches[t];
             patch.begin = static_cast<Index>(levels.size());
             patch.area = frame.area();
             bool is_enough = false;
             for (int level = 0; level < kMaxLevels; ++level) {
-                patch.cap = cap_of(frame, level, min_pitch, scene.prints.of(triangle).size(),
-                                   options.max_patch);
+                patch.cap = cap_of(frame, level, min_pitch, num_places, options.max_patch);
                 if (patch.cap != CapReason::kNone) break;
                 const PatchLayout layout = patch_layout(frame, level_density(frame, level));
                 NeedSet need = need_set(layout.corners);

@@ -41,11 +41,12 @@ void LocalField::Seen::clear() {
     used_.clear();
 }
 
-void LocalField::gather(Index triangle, double border) {
+void LocalField::gather(Index triangle, double border, double widen) {
     triangle_ = triangle;
+    widen_ = static_cast<float>(widen);
     splats_.clear();
     inverses_.clear();
-    unfold(triangle, border);
+    unfold(triangle, border + widen * static_cast<double>(scene_.prints.reach[triangle]));
     for (const Unfolded& u : queue_) add_splats(u, border);
     build_bins();
 }
@@ -85,9 +86,8 @@ bool LocalField::is_near_root(const Unfolded& u, double reach) const {
 
 // Breadth first over edges; each triangle is unfolded once, along the first way found. A way stays
 // near the edge it leaves the home triangle through.
-void LocalField::unfold(Index triangle, double border) {
+void LocalField::unfold(Index triangle, double reach) {
     const TriangleFrame& home = scene_.shell.frame(triangle);
-    const double reach = border + static_cast<double>(scene_.prints.reach[triangle]);
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec2d a = home.corners[k], d = home.corners[(k + 1) % 3] - a;
         const double l = length(d);
@@ -146,7 +146,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
     const auto grow = static_cast<float>(border);
     const float width = static_cast<float>(home.base()) + grow,
                 height = static_cast<float>(home.height()) + grow;
-    const float far = scene_.prints.reach[triangle_];  // the largest splat around here
+    const float far = widen_ * scene_.prints.reach[triangle_];  // the largest splat around here
     const Index first = scene_.prints.begin[from.triangle];
     const std::span<const Footprint> prints = scene_.prints.of(from.triangle);
     for (std::size_t i = 0; i < prints.size(); ++i) {
@@ -163,8 +163,9 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         out.item = first + static_cast<Index>(i);
         const float rx = scene_.kernel.cut * std::sqrt(out.vxx),
                     ry = scene_.kernel.cut * std::sqrt(out.vyy);
-        if (out.center.x + rx < -grow || out.center.x - rx > width) continue;
-        if (out.center.y + ry < -grow || out.center.y - ry > height) continue;
+        const float wide_x = widen_ * rx, wide_y = widen_ * ry;
+        if (out.center.x + wide_x < -grow || out.center.x - wide_x > width) continue;
+        if (out.center.y + wide_y < -grow || out.center.y - wide_y > height) continue;
         const float det = out.vxx * out.vyy - out.vxy * out.vxy;
         if (!(det > 0.0F)) continue;
         if (from.root != kHome && !is_placed(from, f.center, out.center)) continue;
@@ -227,24 +228,38 @@ SplatSum LocalField::evaluate(Vec2f x, std::span<const Vec3f> values) const {
     return out.weight > kMinWeight ? out : evaluate_wide(x, values);
 }
 
-SplatSum LocalField::evaluate_wide(Vec2f x, std::span<const Vec3f> values) const {
-    constexpr float kWidest = 1048576.0F;  // q scaled by this reaches anything gathered
-    SplatSum out;
-    for (float widen = 4.0F; widen <= kWidest; widen *= 4.0F) {
-        for (std::size_t i = 0; i < splats_.size(); ++i) {
-            const LocalSplat& s = splats_[i];
-            const Inverse& v = inverses_[i];
-            const float dx = x.x - s.center.x, dy = x.y - s.center.y;
-            const float q = (v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy) / widen;
-            if (!(q < scene_.kernel.cut2)) continue;
-            const float w = scene_.kernel(q);
-            out.sum += values[s.item] * w;
-            out.weight += w;
-        }
-        if (out.weight > kMinWeight) return out;
-        out = {};
+template <class Visit>
+void LocalField::for_each_wide_weight(Vec2f x, float widen, Visit&& visit) const {
+    for (std::size_t i = 0; i < splats_.size(); ++i) {
+        const LocalSplat& s = splats_[i];
+        const Inverse& v = inverses_[i];
+        const float dx = x.x - s.center.x, dy = x.y - s.center.y;
+        const float q = (v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy) / (widen * widen);
+        if (q < scene_.kernel.cut2) visit(s.item, scene_.kernel(q));
     }
-    return out;
+}
+
+bool LocalField::is_covered(Vec2f x) const {
+    float sum = 0.0F;
+    const auto add = [&](Index /*item*/, float w) { sum += w; };
+    if (widen_ > 1.0F)
+        for_each_wide_weight(x, widen_, add);
+    else
+        for_each_weight(x, add);
+    return sum > kMinWeight;
+}
+
+SplatSum LocalField::evaluate_wide(Vec2f x, std::span<const Vec3f> values) const {
+    constexpr float kWidest = 1024.0F;  // reaches anything gathered
+    for (float widen = 2.0F; widen <= kWidest; widen *= 2.0F) {
+        SplatSum out;
+        for_each_wide_weight(x, widen, [&](Index item, float w) {
+            out.sum += values[item] * w;
+            out.weight += w;
+        });
+        if (out.weight > kMinWeight) return out;
+    }
+    return {};
 }
 
 }  // namespace pointbake

@@ -39,8 +39,11 @@ class LocalField {
  public:
     explicit LocalField(const SplatScene& scene) : scene_(scene) {}
 
-    /// Gathers the splats that reach the triangle grown by `border` (cloud units).
-    void gather(Index triangle, double border);
+    /// Gathers the splats that, with kernels `widen` times as wide, reach the triangle grown by
+    /// `border` (cloud units).
+    void gather(Index triangle, double border, double widen = 1.0);
+    /// Whether kernels so widened reach x.
+    bool is_covered(Vec2f x) const;
 
     std::span<const LocalSplat> splats() const { return splats_; }
     const Kernel& kernel() const { return scene_.kernel; }
@@ -91,7 +94,7 @@ class LocalField {
     struct Inverse {
         float a, b, c, radius_x, radius_y;
     };
-    void unfold(Index triangle, double border);
+    void unfold(Index triangle, double reach);
     std::optional<Unfolded> unfold_across(const Unfolded& at, std::size_t k, Index next) const;
     bool is_near_root(const Unfolded& u, double reach) const;
     Vec2d nearest_home(Vec2d x) const;
@@ -99,10 +102,13 @@ class LocalField {
     void add_splats(const Unfolded& from, double border);
     void build_bins();
     std::size_t cell_at(Vec2f x) const;
+    template <class Visit>
+    void for_each_wide_weight(Vec2f x, float widen, Visit&& visit) const;
     SplatSum evaluate_wide(Vec2f x, std::span<const Vec3f> values) const;
 
     SplatScene scene_;
     Index triangle_ = kInvalidIndex;
+    float widen_ = 1.0F;
     std::array<RootEdge, 3> roots_{};
     std::vector<Unfolded> queue_;
     Seen seen_;

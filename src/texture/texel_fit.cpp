@@ -48,10 +48,14 @@ TexelFit::TexelFit(std::span<const PageSize> pages, const Values& start)
 }
 
 std::optional<TexelFit::Tap> TexelFit::tap(Index page, Vec2d texel) const {
-    const double x0 = std::floor(texel.x), y0 = std::floor(texel.y);
     const PageSize size = pages_[page];
-    if (!(x0 >= 0.0 && y0 >= 0.0 && x0 + 1.0 < size.width && y0 + 1.0 < size.height))
+    const double right = size.width - 1, lower = size.height - 1;
+    if (size.width < 2 || size.height < 2) return std::nullopt;
+    if (!(texel.x >= 0.0 && texel.y >= 0.0 && texel.x <= right && texel.y <= lower))
         return std::nullopt;
+    // The last column and row are read as the far ones of the four.
+    const double x0 = std::min(std::floor(texel.x), right - 1.0);
+    const double y0 = std::min(std::floor(texel.y), lower - 1.0);
     const auto fx = static_cast<float>(texel.x - x0), fy = static_cast<float>(texel.y - y0);
     const std::size_t first = static_cast<std::size_t>(y0) * static_cast<std::size_t>(size.width) +
                               static_cast<std::size_t>(x0);

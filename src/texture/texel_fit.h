@@ -30,7 +30,7 @@ class TexelFit {
         std::size_t first = 0;  // of the four, upper left, in its page
         std::array<float, 4> weights{};
     };
-    /// std::nullopt where one of the four is not on the page.
+    /// std::nullopt beyond the centres of the page's outermost texels.
     std::optional<Tap> tap(Index page, Vec2d texel) const;
 
     void add_sample(const Tap& tap, Vec3f wanted, float weight);

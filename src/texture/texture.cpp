@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "core/adjacency.h"
@@ -32,30 +31,6 @@ std::vector<Vec3f> map_values(const PointCloud& cloud, MapKind kind, const Footp
     return values;
 }
 
-// The leaves of a tree of medians, along the longest side of the box at each branch: values that
-// follow each other are alike.
-void sort_by_likeness(std::span<Index> items, std::span<const Vec3f> values) {
-    if (items.size() < 3) return;
-    Box box;
-    for (const Index i : items) box.extend(vec_cast<double>(values[i]));
-    const Vec3d e = box.extent();
-    const std::size_t axis = e.x >= e.y && e.x >= e.z ? 0 : (e.y >= e.z ? 1 : 2);
-    const auto middle = items.begin() + static_cast<std::ptrdiff_t>(items.size() / 2);
-    std::nth_element(items.begin(), middle, items.end(), [&](Index a, Index b) {
-        return values[a][axis] != values[b][axis] ? values[a][axis] < values[b][axis] : a < b;
-    });
-    sort_by_likeness({items.begin(), middle}, values);
-    sort_by_likeness({middle, items.end()}, values);
-}
-
-std::vector<Index> order_by_likeness(std::span<const Vec3f> values) {
-    std::vector<Index> order(values.size()), rank(values.size());
-    std::iota(order.begin(), order.end(), Index{0});
-    sort_by_likeness(order, values);
-    for (Index i = 0; i < order.size(); ++i) rank[order[i]] = i;
-    return rank;
-}
-
 }  // namespace
 
 struct TextureBaker::Impl {
@@ -72,7 +47,7 @@ struct TextureBaker::Impl {
     Sharpened sharpened;
     LevelErrors levels;  // of triangles
     std::optional<ChartPatches> charts;
-    std::vector<Index> likeness;  // per patch: its place in an order in which neighbours are alike
+    std::vector<Vec3f> means;  // per patch
 
     Impl(const Mesh& m, const PointCloud& c, std::span<const Index> owners, const TextureOptions& o,
          const Context& context)
@@ -107,7 +82,7 @@ struct TextureBaker::Impl {
             log(context, LogLevel::kDebug, "texture: growing charts"),
                 charts.emplace(mesh, neighbors, shell, levels, options.max_side,
                                std::ldexp(1.0, options.mips), options.texture_error, context);
-        likeness = order_by_likeness(patch_means());
+        means = patch_means();
         report_progress(context, "texture", 0.7);
     }
     /// Mean value of the points of each patch; grey where it has none.
@@ -253,7 +228,7 @@ TexturePlan TextureBaker::Impl::plan(std::span<const std::uint8_t> last, std::in
     parallel_for(context, num_patches, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
             plan.shapes[p] = need(p, plan.levels[p]).shape;
-            plan.shapes[p].likeness = likeness[p];
+            plan.shapes[p].color = means[p];
         }
     });
     return plan;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kMaxEdgeProbes = 64;        // per edge
 constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle, in splat radii
+constexpr double kWidest = 256.0;         // splats where there are none, in their own radii
 
 }  // namespace
 
@@ -20,11 +21,33 @@ void TriangleGauge::look_at(Index triangle) {
     spacing_ = mean_spacing();
     min_pitch_ = find_min_pitch();
     probes_.clear();
+    place_border();
 }
 
+// Where no splat reaches a place of the border, widened ones tell of it, on both sides the same
+// ones: all that reach it are gathered.
 void TriangleGauge::gather(double border) {
-    field_.gather(triangle_,
-                  border + kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle_]));
+    const double reach =
+        border + kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle_]);
+    for (double widen = 1.0; widen <= kWidest; widen *= 2.0) {
+        field_.gather(triangle_, reach, widen);
+        if (std::all_of(border_.begin(), border_.end(),
+                        [&](Vec2f x) { return field_.is_covered(x); }))
+            return;
+    }
+}
+
+void TriangleGauge::place_border() {
+    border_.clear();
+    if (is_paper_) return;
+    const TriangleFrame& frame = scene_.shell.frame(triangle_);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2d from = frame.corners[k], along = frame.corners[(k + 1) % 3] - from;
+        const double wanted = spacing_ > 0.0 ? length(along) / spacing_ : 1.0;
+        const int count = static_cast<int>(std::clamp(wanted, 1.0, double{kMaxEdgeProbes}));
+        for (int i = 0; i < count; ++i)
+            border_.push_back(vec_cast<float>(from + along * (static_cast<double>(i) / count)));
+    }
 }
 
 double TriangleGauge::mean_spacing() const {
@@ -85,19 +108,12 @@ double TriangleGauge::probed_area() const {
 }
 
 void TriangleGauge::add_border_probes() {
-    if (is_paper_) return;
-    const TriangleFrame& frame = scene_.shell.frame(triangle_);
-    const auto weight = static_cast<float>(std::min(0.5 * spacing_ * spacing_, frame.area() / 4.0));
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Vec2d from = frame.corners[k], along = frame.corners[(k + 1) % 3] - from;
-        const double wanted = spacing_ > 0.0 ? length(along) / spacing_ : 1.0;
-        const int count = static_cast<int>(std::clamp(wanted, 1.0, double{kMaxEdgeProbes}));
-        for (int i = 0; i < count; ++i) {
-            const auto place = vec_cast<float>(from + along * (static_cast<double>(i) / count));
-            const SplatSum s = field_.evaluate(place, map_.values);
-            if (s.weight > 0.0F)
-                probes_.push_back({place, to_steps(map_.kind, s.sum / s.weight), weight});
-        }
+    const double area = scene_.shell.frame(triangle_).area();
+    const auto weight = static_cast<float>(std::min(0.5 * spacing_ * spacing_, area / 4.0));
+    for (const Vec2f place : border_) {
+        const SplatSum s = field_.evaluate(place, map_.values);
+        if (s.weight > 0.0F)
+            probes_.push_back({place, to_steps(map_.kind, s.sum / s.weight), weight});
     }
 }
 

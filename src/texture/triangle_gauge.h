@@ -21,13 +21,15 @@ class TriangleGauge {
         : scene_(scene), cloud_(cloud), map_(map), is_paper_(is_paper), field_(scene) {}
 
     void look_at(Index triangle);
-    /// Gathers the splats that reach the triangle grown by `border` (cloud units): texels() and
-    /// add_border_probes() need them.
+    /// Gathers the splats that reach the triangle grown by `border` (cloud units), and where none
+    /// reaches its border those that lie nearest: texels() and add_border_probes() need them.
     void gather(double border = 0.0);
     /// Errors are measured at the triangle's points. Without, no error is known.
     void place_probes();
     /// And at its border, where the neighbour's patch takes over and the points say nothing.
     void add_border_probes();
+    /// Places at the border where errors can be measured; --paper has none.
+    std::size_t num_border_places() const { return border_.size(); }
     /// Points that are looked at, and the area that they stand for.
     std::size_t num_probes() const { return probes_.size(); }
     double probed_area() const;
@@ -50,6 +52,7 @@ class TriangleGauge {
         Vec3f wanted;  // steps
         float weight;
     };
+    void place_border();
     double mean_spacing() const;
     TexelFilter filter(double pitch) const;
     double find_min_pitch() const;
@@ -61,6 +64,7 @@ class TriangleGauge {
     LocalField field_;
     Index triangle_ = kInvalidIndex;
     double spacing_ = 0.0, min_pitch_ = 0.0;
+    std::vector<Vec2f> border_;  // places along the three edges, about a spacing apart
     std::vector<Probe> probes_;
 };
 

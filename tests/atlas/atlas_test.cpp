@@ -164,7 +164,7 @@ TEST(PackBitmap, FillsAPageThatHoldsThemExactly) {
 }
 
 TEST(Pack, PutsLikeShapesSideBySide) {
-    // As a viewer's mip levels see it: the spread of likeness within cells of 32 texels.
+    // As a viewer's mip levels see it: the spread of colour within cells of 32 texels.
     std::vector<PatchShape> shapes = log_normal_shapes(4000, 12, 0.4);
     const auto spread = [](const std::vector<PatchShape>& of, const Packing& packing) {
         std::map<std::array<int, 3>, std::array<double, 3>> cells;
@@ -181,7 +181,8 @@ TEST(Pack, PutsLikeShapesSideBySide) {
     const Packing plain = pack(shapes);
     const double before = spread(shapes, plain);
     for (std::size_t i = 0; i < shapes.size(); ++i)
-        shapes[i].likeness = static_cast<Index>((i * 7919) % 4000);
+        shapes[i].color =
+            Vec3f{1.0F, 1.0F, 1.0F} * (static_cast<float>((i * 7919) % 4000) / 4000.0F);
     const Packing sorted = pack(shapes);
     expect_valid(shapes, sorted);
     EXPECT_LT(spread(shapes, sorted), 0.35 * before);

@@ -68,8 +68,24 @@ TEST(TexelFit, KnowsNoTexelsBeyondThePage) {
     const TexelFit::Values start = grey();
     const TexelFit fit(pages, start);
     EXPECT_FALSE(fit.tap(0, {-0.1, 3.0}));
-    EXPECT_FALSE(fit.tap(0, {3.0, kSide - 1.0}));
-    EXPECT_TRUE(fit.tap(0, {kSide - 1.01, 3.0}));
+    EXPECT_FALSE(fit.tap(0, {3.0, kSide - 0.9}));
+    const std::vector<PageSize> narrow{{1, kSide}};
+    EXPECT_FALSE(TexelFit(narrow, {std::vector<Vec3f>(kSide)}).tap(0, {0.0, 3.0}));
+}
+
+TEST(TexelFit, ReachesTheLastRowAndColumn) {
+    // Patches touch the sides of their page.
+    const std::vector<PageSize> pages{{kSide, kSide}};
+    TexelFit::Values start = grey();
+    for (int j = 0; j < kSide; ++j) start[0][static_cast<std::size_t>(kSide * j)] = {0.9F, 0, 0};
+    TexelFit fit(pages, start);
+    for (std::size_t i = 0; i < start[0].size(); ++i) fit.add_prior(0, i, 1.0F);
+    for (int y = 0; y < kSide; ++y)
+        fit.add_pair(*fit.tap(0, {0.0, 1.0 * y}), *fit.tap(0, {kSide - 1.0, 1.0 * y}), 64.0F);
+    const TexelFit::Values out = fit.solve({});
+    for (int y = 0; y < kSide; ++y)
+        EXPECT_NEAR(out[0][static_cast<std::size_t>(kSide * y)].x,
+                    out[0][static_cast<std::size_t>(kSide * y + kSide - 1)].x, 0.01);
 }
 
 }  // namespace
