@@ -75,6 +75,7 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, con
     const double bound = options.texels ? HUGE_VAL : options.texture_error.value_or(HUGE_VAL);
     LevelErrors out;
     out.patches.resize(num_triangles);
+    out.widen.resize(num_triangles);
     const std::size_t num_chunks = (num_triangles + kGrain - 1) / kGrain;
     std::vector<std::vector<LevelErrors::Level>> chunks(num_chunks);
     parallel_for(context, num_triangles, kGrain, [&](std::size_t begin, std::size_t end) {
@@ -85,6 +86,7 @@ LevelErrors measure_levels(const SplatScene& scene, const PointCloud& cloud, con
             const TriangleFrame& frame = scene.shell.frame(triangle);
             gauge.look_at(triangle);
             gauge.gather();
+            out.widen[t] = gauge.widen();
             gauge.place_probes();
             gauge.add_border_probes();
             const double min_pitch = gauge.min_pitch();

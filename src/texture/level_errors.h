@@ -32,6 +32,7 @@ class LevelErrors {
     };
 
     std::vector<Patch> patches;
+    std::vector<float> widen;  ///< per triangle, as Footprints has it
     std::vector<Level> levels;
 
     float error(std::size_t t, std::uint8_t level) const {

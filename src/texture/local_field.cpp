@@ -41,12 +41,12 @@ void LocalField::Seen::clear() {
     used_.clear();
 }
 
-void LocalField::gather(Index triangle, double border, double widen) {
+void LocalField::gather(Index triangle, double border, float widen) {
     triangle_ = triangle;
-    widen_ = static_cast<float>(widen);
+    widen_ = widen;
     splats_.clear();
     inverses_.clear();
-    unfold(triangle, border + widen * static_cast<double>(scene_.prints.reach[triangle]));
+    unfold(triangle, border + static_cast<double>(widen * scene_.prints.reach[triangle]));
     for (const Unfolded& u : queue_) add_splats(u, border);
     build_bins();
 }
@@ -147,6 +147,9 @@ void LocalField::add_splats(const Unfolded& from, double border) {
     const float width = static_cast<float>(home.base()) + grow,
                 height = static_cast<float>(home.height()) + grow;
     const float far = widen_ * scene_.prints.reach[triangle_];  // the largest splat around here
+    // A surface bent along one edge brings nothing nearer than it is when laid flat.
+    const bool may_go_around =
+        from.root != kHome && scene_.neighbors[triangle_][from.root] != from.triangle;
     const Index first = scene_.prints.begin[from.triangle];
     const std::span<const Footprint> prints = scene_.prints.of(from.triangle);
     for (std::size_t i = 0; i < prints.size(); ++i) {
@@ -168,7 +171,7 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         if (out.center.y + wide_y < -grow || out.center.y - wide_y > height) continue;
         const float det = out.vxx * out.vyy - out.vxy * out.vxy;
         if (!(det > 0.0F)) continue;
-        if (from.root != kHome && !is_placed(from, f.center, out.center)) continue;
+        if (may_go_around && !is_placed(from, f.center, out.center)) continue;
         splats_.push_back(out);
         inverses_.push_back({out.vyy / det, -out.vxy / det, out.vxx / det, rx, ry});
     }

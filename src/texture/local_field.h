@@ -41,7 +41,7 @@ class LocalField {
 
     /// Gathers the splats that, with kernels `widen` times as wide, reach the triangle grown by
     /// `border` (cloud units).
-    void gather(Index triangle, double border, double widen = 1.0);
+    void gather(Index triangle, double border, float widen = 1.0F);
     /// Whether kernels so widened reach x.
     bool is_covered(Vec2f x) const;
 

@@ -77,6 +77,7 @@ struct TextureBaker::Impl {
         if (options.keep_uvs) return;
         log(context, LogLevel::kDebug, "texture: measuring triangles");
         levels = measure_levels(scene, cloud, source().map, options, context);
+        prints.widen = std::move(levels.widen);
         report_progress(context, "texture", 0.6);
         if (options.atlas == AtlasKind::kCharts)
             log(context, LogLevel::kDebug, "texture: growing charts"),

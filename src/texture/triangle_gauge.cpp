@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxEdgeProbes = 64;        // per edge
 constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle, in splat radii
-constexpr double kWidest = 256.0;         // splats where there are none, in their own radii
+constexpr float kWidest = 256.0F;         // splats where there are none, in their own radii
 
 }  // namespace
 
@@ -27,14 +27,20 @@ void TriangleGauge::look_at(Index triangle) {
 // Where no splat reaches a place of the border, widened ones tell of it, on both sides the same
 // ones: all that reach it are gathered.
 void TriangleGauge::gather(double border) {
-    const double reach =
+    const double grown =
         border + kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle_]);
-    for (double widen = 1.0; widen <= kWidest; widen *= 2.0) {
-        field_.gather(triangle_, reach, widen);
-        if (std::all_of(border_.begin(), border_.end(),
-                        [&](Vec2f x) { return field_.is_covered(x); }))
-            return;
+    const std::vector<float>& known = scene_.prints.widen;
+    widen_ = known.empty() ? 1.0F : known[triangle_];
+    field_.gather(triangle_, grown, widen_);
+    while (known.empty() && widen_ < kWidest && !is_border_covered()) {
+        widen_ *= 2.0F;
+        field_.gather(triangle_, grown, widen_);
     }
+}
+
+bool TriangleGauge::is_border_covered() const {
+    return std::all_of(border_.begin(), border_.end(),
+                       [&](Vec2f place) { return field_.is_covered(place); });
 }
 
 void TriangleGauge::place_border() {

@@ -24,6 +24,8 @@ class TriangleGauge {
     /// Gathers the splats that reach the triangle grown by `border` (cloud units), and where none
     /// reaches its border those that lie nearest: texels() and add_border_probes() need them.
     void gather(double border = 0.0);
+    /// How much wider kernels had to be for that.
+    float widen() const { return widen_; }
     /// Errors are measured at the triangle's points. Without, no error is known.
     void place_probes();
     /// And at its border, where the neighbour's patch takes over and the points say nothing.
@@ -53,6 +55,7 @@ class TriangleGauge {
         float weight;
     };
     void place_border();
+    bool is_border_covered() const;
     double mean_spacing() const;
     TexelFilter filter(double pitch) const;
     double find_min_pitch() const;
@@ -64,6 +67,7 @@ class TriangleGauge {
     LocalField field_;
     Index triangle_ = kInvalidIndex;
     double spacing_ = 0.0, min_pitch_ = 0.0;
+    float widen_ = 1.0F;
     std::vector<Vec2f> border_;  // places along the three edges, about a spacing apart
     std::vector<Probe> probes_;
 };

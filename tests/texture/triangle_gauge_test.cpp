@@ -15,8 +15,8 @@ struct Scene {
     std::vector<std::array<Index, 3>> neighbors = triangle_neighbors(painted.mesh.triangles);
     Shell shell{painted.mesh, Projection::kInterpolated, {}};
     Kernel kernel{};
-    Footprints prints = project_points(painted.mesh, painted.cloud, painted.owners, shell,
-                                       neighbors, kernel, {});
+    Footprints prints =
+        project_points(painted.mesh, painted.cloud, painted.owners, shell, neighbors, kernel, {});
     std::vector<Vec3f> values = colors();
 
     SplatScene splats() const { return {painted.mesh, shell, neighbors, prints, kernel}; }
