@@ -2,11 +2,11 @@
 // points in the same run, the figure that reconstruct is held to:
 //
 //     reconstruct_ratio cocone|tight-cocone|robust-cocone|implicit|denoise [POINTS [NOISE
-//     [THREADS [off]]]]
+//     [THREADS [unthinned]]]]
 //
 // Noise in spacings; 0 for Cocone and Tight Cocone, else 0.3. Processor time, the better of two:
 // other programs on the machine count little then. With more threads the seconds on the wall tell.
-// `off` at the end: without thinning. One method a run, as the peak of memory is the process's.
+// One method a run, as the peak of memory is the process's.
 // `off` is the mean distance from the mesh's vertices (denoise: the points) to the true torus, in
 // spacings.
 #include <sys/resource.h>
@@ -145,7 +145,8 @@ int main(int argc, char** argv) {
     const std::uint64_t n = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1'000'000;
     const bool is_exact = word == "cocone" || word == "tight-cocone";
     const double noise = argc > 3 ? std::atof(argv[3]) : (is_exact ? 0.0 : 0.3);
-    const pointbake::Thin thin =
-        argc > 5 && std::string(argv[5]) == "off" ? pointbake::Thin::kOff : pointbake::Thin::kAuto;
+    const pointbake::Thin thin = argc > 5 && std::string(argv[5]) == "unthinned"
+                                     ? pointbake::Thin::kOff
+                                     : pointbake::Thin::kAuto;
     return pointbake::run(word, n, noise, argc > 4 ? std::atoi(argv[4]) : 1, thin);
 }

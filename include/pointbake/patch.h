@@ -22,7 +22,9 @@ struct PatchShape {
         Span span;
     };
     std::vector<Span> rows;
-    Vec3f color{};            ///< mean value: like patches may bleed into each other
+    /// Mean of what it shows, finite, in the map's own coding (sRGB 0 to 1, or a normal): like ones
+    /// are laid side by side, where they may bleed into each other.
+    Vec3f color{};
     std::vector<Gap> gaps{};  ///< inside the rows' spans, ascending, apart; one triangle has none
 
     int height() const { return static_cast<int>(rows.size()); }

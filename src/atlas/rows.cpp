@@ -30,7 +30,8 @@ constexpr double kTintLoss = 0.2;
 
 // A row runs through the tints of the shapes that so many rows like it will hold: colours of small
 // triangles are often not those of large ones.
-constexpr int kRowsOfTints = 4;
+constexpr int kRowsOfTints = 2;
+constexpr std::size_t kMostOfTints = 2048;  // shapes that tell them
 
 // Shapes lower than this share of the row's height wait for a row of their own, often in what this
 // one leaves over.
@@ -159,18 +160,22 @@ class RowPacker {
         return shapes_[rank].width;
     }
 
-    // Those of the shapes that this row and the next ones will be made of.
+    // Those of shapes that are left, evenly chosen among the tallest ones, so many that a few rows
+    // like this one would hold them.
     void find_tints(const Row& row) {
-        std::int64_t area = std::int64_t{kRowsOfTints} * row.height * row.limit;
-        std::vector<Index> next;
+        if (shapes_.tints().are_one()) return;
         const auto& classes = index_.classes();
-        for (std::size_t c = tallest_; c < classes.size() && area > 0; ++c)
-            for (int rank = classes[c].first_rank; rank < classes[c].last_rank && area > 0; ++rank)
-                if (index_.is_left(rank)) {
-                    next.push_back(shapes_[rank].shape);
-                    area -= shapes_[rank].num_texels;
-                }
-        tints_ = shapes_.tints().row_of(std::move(next));
+        const std::int64_t enough = std::int64_t{kRowsOfTints} * row.height * row.limit;
+        std::int64_t area = 0;
+        std::vector<int> left;
+        for (std::size_t c = tallest_; c < classes.size() && area < enough; ++c)
+            for (int rank = classes[c].first_rank; rank < classes[c].last_rank; ++rank)
+                if (index_.is_left(rank)) left.push_back(rank), area += shapes_[rank].num_texels;
+        const std::size_t step = 1 + left.size() / kMostOfTints;
+        std::vector<Index> chosen;
+        for (std::size_t i = 0; i < left.size(); i += step)
+            chosen.push_back(shapes_[left[i]].shape);
+        tints_ = shapes_.tints().row_of(std::move(chosen));
     }
 
     // Fills a row from left to right. False if nothing fits.

@@ -1,6 +1,7 @@
 #include "atlas/shape_set.h"
 
 #include <algorithm>
+#include <cmath>
 #include <compare>
 
 #include "core/message.h"
@@ -66,6 +67,8 @@ ShapeSet::ShapeSet(std::span<const PatchShape> shapes) : items_(shapes.size()), 
 void validate(std::span<const PatchShape> shapes, PageSize page) {
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         const PatchShape& shape = shapes[i];
+        if (!std::isfinite(shape.color.x + shape.color.y + shape.color.z))
+            fail(ErrorCode::kInvalidInput, "the colour of patch {} is not finite", i);
         int first = INT32_MAX;
         for (const PatchShape::Span& row : shape.rows) {
             if (row.left < 0 || row.right < row.left)

@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::size_t kParts = std::tuple_size_v<Tints::Row>;
 constexpr double kMeanDistance = 1.0 / 3.0;
+constexpr double kSameColor = 1e-6;  // mean difference: roundings
 
 // Along the longest side of the box at each branch.
 void sort_by_color(std::span<Index> items, std::span<const PatchShape> shapes) {
@@ -55,7 +56,7 @@ Tints::Tints(std::span<const PatchShape> shapes) : order_(order_by_color(shapes)
             sum += static_cast<double>(sizes_[i] * length(colors_[i] - color));
             total += static_cast<double>(sizes_[i]);
         }
-    if (sum > 0.0) scale_ = static_cast<float>(kMeanDistance * total / sum);
+    if (sum > kSameColor * total) scale_ = static_cast<float>(kMeanDistance * total / sum);
 }
 
 Tints::Row Tints::row_of(std::vector<Index> shapes) const {
@@ -71,12 +72,17 @@ Tints::Row Tints::row_of(std::vector<Index> shapes) const {
         before += size;
     }
     Row row{};
+    std::size_t filled = 0;  // parts so far
     for (std::size_t k = 0; k < kParts; ++k) {
-        if (parts[k].weight > 0.0F)
-            row[k] = parts[k].sum / parts[k].weight;
-        else if (k > 0)
-            row[k] = row[k - 1];
+        if (parts[k].weight == 0.0F) continue;
+        // A shape wider than a part is what belongs in those that it covers: the nearest one.
+        const Vec3f color = parts[k].sum / parts[k].weight;
+        const std::size_t from = filled == 0 ? 0 : (filled + k + 1) / 2;
+        for (std::size_t j = filled; j < from; ++j) row[j] = row[filled - 1];
+        for (std::size_t j = from; j <= k; ++j) row[j] = color;
+        filled = k + 1;
     }
+    for (std::size_t j = filled; j < kParts && filled > 0; ++j) row[j] = row[filled - 1];
     return row;
 }
 

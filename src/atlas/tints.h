@@ -10,7 +10,7 @@
 namespace pointbake {
 
 /// Per shape its place in an order in which those of like colour follow each other: the leaves of a
-/// tree of medians. O(n log^2 n).
+/// tree of medians. O(n log n).
 std::vector<Index> order_by_color(std::span<const PatchShape> shapes);
 
 /// Rows that run through the colours of their shapes from left to right.
@@ -21,6 +21,8 @@ class Tints {
 
     explicit Tints(std::span<const PatchShape> shapes);
 
+    /// Whether all shapes have the same colour: no place is better than another.
+    bool are_one() const { return scale_ == 0.0F; }
     /// The row of some of the shapes. O(n log n) of these.
     Row row_of(std::vector<Index> shapes) const;
 

@@ -21,7 +21,9 @@ struct Ranked {
 std::vector<std::uint8_t> choose_among_rivals(std::span<const Vec3d> points,
                                               const RivalsOf& rivals_of, const Context& context) {
     std::vector<Ranked> order;
-    order.reserve(points.size());
+    std::size_t count = 0;
+    for (Index i = 0; i < points.size(); ++i) count += rivals_of(i).empty() ? 0 : 1;
+    order.reserve(count);
     for (Index i = 0; i < points.size(); ++i)
         if (!rivals_of(i).empty()) order.push_back({hash_of(points[i]), i});
     parallel_sort(context, order);

@@ -81,6 +81,7 @@ class Thinner {
             }
         });
         std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        rivals_.reserve(begin_.back());
         for (const auto& part : found_in) rivals_.insert(rivals_.end(), part.begin(), part.end());
     }
 

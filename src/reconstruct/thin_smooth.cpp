@@ -57,8 +57,8 @@ class Round {
     Subset run() {
         find_reach();
         keep_rivals();
-        return subset(choose_among_rivals(
-            in_.points, [&](Index i) { return neighbors_of(i).first(num_rivals_[i]); }, context_));
+        return subset(
+            choose_among_rivals(in_.points, [&](Index i) { return rivals_of(i); }, context_));
     }
 
  private:
@@ -162,6 +162,11 @@ class Round {
         });
     }
 
+    std::span<const Index> rivals_of(Index i) const {
+        return neighbors_of(i).first(num_rivals_[i]);
+    }
+
+    // Until their rows are taken for the rivals.
     std::span<const Index> neighbors_of(Index i) const {
         return std::span(neighbors_).subspan(std::size_t{i} * kNeighbors, kNeighbors);
     }

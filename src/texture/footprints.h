@@ -26,8 +26,8 @@ struct Footprints {
     std::vector<Index> begin;
     std::vector<Footprint> items;
     std::vector<float> reach;  ///< per triangle: largest radius of a splat around here
-    /// Per triangle, how much wider kernels have to be for some to reach each place of its border;
-    /// empty: not known yet.
+    /// Per triangle, how much wider kernels have to be (1, 2 or 4 times) for some to reach each
+    /// place along its border, about a spacing apart, as far as 4 is enough; empty: not known yet.
     std::vector<float> widen;
     std::span<const Footprint> of(Index triangle) const {
         return std::span(items).subspan(begin[triangle], begin[triangle + 1] - begin[triangle]);

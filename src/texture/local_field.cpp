@@ -127,6 +127,12 @@ Vec2d LocalField::nearest_home(Vec2d x) const {
     return nearest;
 }
 
+// Whether a place lies on the far side of an edge of the home triangle. Nothing there that belongs
+// to the triangle across is nearer in space than it is here, where it is laid flat.
+bool LocalField::is_beyond(std::size_t edge, Vec2f x) const {
+    return dot(vec_cast<double>(x) - roots_[edge].start, roots_[edge].outward) >= 0.0;
+}
+
 // Whether the unfolding holds for a splat, given its center in its own triangle and here. A way
 // over the surface is never shorter than the straight one through space: where it is, the
 // unfolding went around a corner and came back beside the home triangle.
@@ -147,9 +153,8 @@ void LocalField::add_splats(const Unfolded& from, double border) {
     const float width = static_cast<float>(home.base()) + grow,
                 height = static_cast<float>(home.height()) + grow;
     const float far = widen_ * scene_.prints.reach[triangle_];  // the largest splat around here
-    // A surface bent along one edge brings nothing nearer than it is when laid flat.
-    const bool may_go_around =
-        from.root != kHome && scene_.neighbors[triangle_][from.root] != from.triangle;
+    const bool is_next =
+        from.root != kHome && scene_.neighbors[triangle_][from.root] == from.triangle;
     const Index first = scene_.prints.begin[from.triangle];
     const std::span<const Footprint> prints = scene_.prints.of(from.triangle);
     for (std::size_t i = 0; i < prints.size(); ++i) {
@@ -171,7 +176,9 @@ void LocalField::add_splats(const Unfolded& from, double border) {
         if (out.center.y + wide_y < -grow || out.center.y - wide_y > height) continue;
         const float det = out.vxx * out.vyy - out.vxy * out.vxy;
         if (!(det > 0.0F)) continue;
-        if (may_go_around && !is_placed(from, f.center, out.center)) continue;
+        if (from.root != kHome && !(is_next && is_beyond(from.root, out.center)) &&
+            !is_placed(from, f.center, out.center))
+            continue;
         splats_.push_back(out);
         inverses_.push_back({out.vyy / det, -out.vxy / det, out.vxx / det, rx, ry});
     }
@@ -188,17 +195,15 @@ void LocalField::build_bins() {
     grid_height_ = std::clamp(static_cast<int>(h * cells_per_unit_) + 1, 1, kMaxCells);
     const auto range = [&](std::size_t i, auto&& visit) {
         const LocalSplat& s = splats_[i];
-        const auto clamp_cell = [](float x, int n) {
-            return static_cast<int>(std::clamp(x, 0.0F, static_cast<float>(n - 1)));
+        const auto cell_of = [&](float at, int n) {
+            return static_cast<int>(
+                std::clamp(at * cells_per_unit_, 0.0F, static_cast<float>(n - 1)));
         };
-        const int x0 =
-            clamp_cell((s.center.x - inverses_[i].radius_x) * cells_per_unit_, grid_width_);
-        const int x1 =
-            clamp_cell((s.center.x + inverses_[i].radius_x) * cells_per_unit_, grid_width_);
-        const int y0 =
-            clamp_cell((s.center.y - inverses_[i].radius_y) * cells_per_unit_, grid_height_);
-        const int y1 =
-            clamp_cell((s.center.y + inverses_[i].radius_y) * cells_per_unit_, grid_height_);
+        const float rx = widen_ * inverses_[i].radius_x, ry = widen_ * inverses_[i].radius_y;
+        const int x0 = cell_of(s.center.x - rx, grid_width_),
+                  x1 = cell_of(s.center.x + rx, grid_width_);
+        const int y0 = cell_of(s.center.y - ry, grid_height_),
+                  y1 = cell_of(s.center.y + ry, grid_height_);
         for (int y = y0; y <= y1; ++y) {
             for (int x = x0; x <= x1; ++x) visit(static_cast<std::size_t>(y * grid_width_ + x));
         }
@@ -231,24 +236,24 @@ SplatSum LocalField::evaluate(Vec2f x, std::span<const Vec3f> values) const {
     return out.weight > kMinWeight ? out : evaluate_wide(x, values);
 }
 
+// Of kernels so much wider. Cells know what reaches them at the width of gather().
 template <class Visit>
 void LocalField::for_each_wide_weight(Vec2f x, float widen, Visit&& visit) const {
-    for (std::size_t i = 0; i < splats_.size(); ++i) {
-        const LocalSplat& s = splats_[i];
-        const Inverse& v = inverses_[i];
-        const float dx = x.x - s.center.x, dy = x.y - s.center.y;
-        const float q = (v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy) / (widen * widen);
-        if (q < scene_.kernel.cut2) visit(s.item, scene_.kernel(q));
+    const auto look_at = [&](Index i) {
+        const float q = squared_radius(x, i) / (widen * widen);
+        if (q < scene_.kernel.cut2) visit(splats_[i].item, scene_.kernel(q));
+    };
+    if (widen > widen_) {
+        for (Index i = 0; i < splats_.size(); ++i) look_at(i);
+        return;
     }
+    const std::size_t cell = cell_at(x);
+    for (Index k = cell_begin_[cell]; k < cell_begin_[cell + 1]; ++k) look_at(cell_items_[k]);
 }
 
 bool LocalField::is_covered(Vec2f x) const {
     float sum = 0.0F;
-    const auto add = [&](Index /*item*/, float w) { sum += w; };
-    if (widen_ > 1.0F)
-        for_each_wide_weight(x, widen_, add);
-    else
-        for_each_weight(x, add);
+    for_each_wide_weight(x, widen_, [&](Index /*item*/, float w) { sum += w; });
     return sum > kMinWeight;
 }
 

@@ -19,7 +19,8 @@ struct LocalSplat {
     Index item;  ///< into Footprints::items
 };
 
-/// Everything that does not change while textures are made.
+/// Everything that does not change while textures are made (but for prints.widen, which is found
+/// on the way).
 struct SplatScene {
     const Mesh& mesh;
     const Shell& shell;
@@ -54,9 +55,7 @@ class LocalField {
         const std::size_t cell = cell_at(x);
         for (Index k = cell_begin_[cell]; k < cell_begin_[cell + 1]; ++k) {
             const Index i = cell_items_[k];
-            const Inverse& v = inverses_[i];
-            const float dx = x.x - splats_[i].center.x, dy = x.y - splats_[i].center.y;
-            const float q = v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy;
+            const float q = squared_radius(x, i);
             if (q < scene_.kernel.cut2) visit(splats_[i].item, scene_.kernel(q));
         }
     }
@@ -94,10 +93,17 @@ class LocalField {
     struct Inverse {
         float a, b, c, radius_x, radius_y;
     };
+    // Squared distance of a place from a splat, in the splat's standard deviations.
+    float squared_radius(Vec2f x, Index splat) const {
+        const Inverse& v = inverses_[splat];
+        const float dx = x.x - splats_[splat].center.x, dy = x.y - splats_[splat].center.y;
+        return v.a * dx * dx + 2.0F * v.b * dx * dy + v.c * dy * dy;
+    }
     void unfold(Index triangle, double reach);
     std::optional<Unfolded> unfold_across(const Unfolded& at, std::size_t k, Index next) const;
     bool is_near_root(const Unfolded& u, double reach) const;
     Vec2d nearest_home(Vec2d x) const;
+    bool is_beyond(std::size_t edge, Vec2f x) const;
     bool is_placed(const Unfolded& from, Vec2f own, Vec2f here) const;
     void add_splats(const Unfolded& from, double border);
     void build_bins();
@@ -115,7 +121,8 @@ class LocalField {
     std::vector<LocalSplat> splats_;
     std::vector<Inverse> inverses_;
 
-    // Splats by cell of a grid over the triangle's box; a splat is in every cell that it reaches.
+    // Splats by cell of a grid over the triangle's box; a splat, widened, is in every cell that it
+    // reaches.
     Vec2f grid_origin_{};
     float cells_per_unit_ = 0.0F;
     int grid_width_ = 0, grid_height_ = 0;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxEdgeProbes = 64;        // per edge
 constexpr double kBorderOverReach = 0.7;  // splats gathered beyond the triangle, in splat radii
-constexpr float kWidest = 256.0F;         // splats where there are none, in their own radii
+constexpr float kMostWidened = 4.0F;      // splats where there are none, in their own radii
 
 }  // namespace
 
@@ -24,15 +24,15 @@ void TriangleGauge::look_at(Index triangle) {
     place_border();
 }
 
-// Where no splat reaches a place of the border, widened ones tell of it, on both sides the same
-// ones: all that reach it are gathered.
+// Where no splat reaches a place of the border, widened ones tell of it. All that do are gathered,
+// so that both sides of an edge see the same, as long as the points are not too far away.
 void TriangleGauge::gather(double border) {
     const double grown =
         border + kBorderOverReach * static_cast<double>(scene_.prints.reach[triangle_]);
     const std::vector<float>& known = scene_.prints.widen;
     widen_ = known.empty() ? 1.0F : known[triangle_];
     field_.gather(triangle_, grown, widen_);
-    while (known.empty() && widen_ < kWidest && !is_border_covered()) {
+    while (known.empty() && widen_ < kMostWidened && !is_border_covered()) {
         widen_ *= 2.0F;
         field_.gather(triangle_, grown, widen_);
     }

@@ -60,13 +60,32 @@ TEST(Tints, ARowKnowsOnlyItsOwnShapes) {
     for (Index i = 0; i < colors.size(); ++i)
         if (colors[i].x < 0.25F) dark.push_back(i);
     const Tints::Row row = tints.row_of(dark);
+    EXPECT_NEAR(row.front().x, 0.0, 0.01);
     EXPECT_NEAR(row.back().x, 0.25, 0.01);
 }
 
 TEST(Tints, OneColourIsNowhereWrong) {
-    const std::vector<Vec3f> colors(50, Vec3f{0.3F, 0.6F, 0.9F});
+    for (const std::size_t count : {1, 5, 50}) {
+        const std::vector<Vec3f> colors(count, Vec3f{0.3F, 0.6F, 0.9F});
+        const Tints tints(squares(colors));
+        EXPECT_TRUE(tints.are_one());
+        for (const double x : {0.0, 0.5, 1.0})
+            EXPECT_EQ(tints.distance(0, tints.row_of(all(count)), x), 0.0) << count;
+    }
+}
+
+TEST(Tints, WideShapesBelongWhereTheyLie) {
+    // Three of a row: a third each, with no parts that nothing belongs to.
+    const std::vector<Vec3f> colors{{0.9F, 0, 0}, {0.3F, 0, 0}, {0.6F, 0, 0}};
     const Tints tints(squares(colors));
-    EXPECT_EQ(tints.distance(7, tints.row_of(all(50)), 0.9), 0.0);
+    const Tints::Row row = tints.row_of(all(3));
+    const auto third = row.size() / 3;
+    EXPECT_FLOAT_EQ(row.front().x, 0.3F);
+    EXPECT_FLOAT_EQ(row[third - 2].x, 0.3F);
+    EXPECT_FLOAT_EQ(row[third + 2].x, 0.6F);
+    EXPECT_FLOAT_EQ(row[2 * third - 2].x, 0.6F);
+    EXPECT_FLOAT_EQ(row[2 * third + 3].x, 0.9F);
+    EXPECT_FLOAT_EQ(row.back().x, 0.9F);
 }
 
 TEST(OrderByColor, LikeColoursFollowEachOther) {

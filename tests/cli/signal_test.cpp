@@ -33,7 +33,7 @@ class Interruption : public testing::TestWithParam<const char*> {};
 TEST_P(Interruption, EndsTheStageWithinTwoSecondsAndLeavesNothing) {
     const TemporaryFolder folder;
     folder.write("in.ply", ascii_ply(egg_points(60'000)));
-    // Four million texels: each stage lasts longer than it takes to stop it on a busy machine.
+    // Four million texels: texture, too, lasts longer than it takes to stop it on a busy machine.
     RunningProgram program(folder,
                            {"in.ply", "out.glb", "--progress", "json", "--texels", "4000000"});
     ASSERT_TRUE(reaches(program, GetParam())) << program.err_so_far();

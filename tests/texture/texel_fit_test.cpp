@@ -82,6 +82,11 @@ TEST(TexelFit, ReachesTheLastRowAndColumn) {
     for (std::size_t i = 0; i < start[0].size(); ++i) fit.add_prior(0, i, 1.0F);
     for (int y = 0; y < kSide; ++y)
         fit.add_pair(*fit.tap(0, {0.0, 1.0 * y}), *fit.tap(0, {kSide - 1.0, 1.0 * y}), 64.0F);
+    // Three quarters of the way between two texels of the last row.
+    const auto low = *fit.tap(0, {6.75, kSide - 1.0});
+    EXPECT_EQ(low.first, static_cast<std::size_t>((kSide - 2) * kSide + 6));
+    EXPECT_EQ(low.weights, (std::array<float, 4>{0.0F, 0.0F, 0.25F, 0.75F}));
+    fit.add_pair(low, *fit.tap(0, {6.75, 0.0}), 64.0F);
     const TexelFit::Values out = fit.solve({});
     for (int y = 0; y < kSide; ++y)
         EXPECT_NEAR(out[0][static_cast<std::size_t>(kSide * y)].x,

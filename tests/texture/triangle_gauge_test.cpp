@@ -30,14 +30,14 @@ struct Scene {
 };
 
 TEST(TriangleGauge, BothSidesSeeTheSameWhereNoSplatReaches) {
-    // A gap of many spacings along the diagonal, wider on one side: the nearest splats tell, and
+    // A gap of some spacings along the diagonal, wider on one side: the nearest splats tell, and
     // those of one side do not reach the other triangle by themselves.
     Painted p = painted_square(60, [](double x, double y) {
         return Vec3d{x < 0.5 ? 0.2 : 0.8, y < 0.3 ? 0.1 : 0.9, 0.5};
     });
     for (std::size_t i = 0; i < p.owners.size(); ++i) {
         const Vec3d x = p.cloud.positions[i];
-        if (x.x - x.y > -0.3 && x.x - x.y < 0.15) p.owners[i] = kInvalidIndex;
+        if (x.x - x.y > -0.1 && x.x - x.y < 0.05) p.owners[i] = kInvalidIndex;
     }
     const Scene scene{p};
     std::array<PatchTexels, 2> sides;
@@ -57,6 +57,26 @@ TEST(TriangleGauge, BothSidesSeeTheSameWhereNoSplatReaches) {
         }
         EXPECT_LT(255.0F * length(seen[0] - seen[1]), 6.0F) << "at " << s;
     }
+}
+
+TEST(TriangleGauge, AKnownWidthGathersTheSame) {
+    Painted p = painted_square(60, wave);
+    for (std::size_t i = 0; i < p.owners.size(); ++i) {
+        const Vec3d x = p.cloud.positions[i];
+        if (std::abs(x.x - x.y) < 0.08) p.owners[i] = kInvalidIndex;
+    }
+    Scene scene{p};
+    const auto painted = [&] {
+        TriangleGauge gauge(scene.splats(), scene.painted.cloud, scene.map());
+        gauge.look_at(0);
+        gauge.gather();
+        EXPECT_GT(gauge.widen(), 1.0F);
+        return std::pair(gauge.texels(patch_layout(scene.shell.frame(0), 40.0)).coded,
+                         gauge.widen());
+    };
+    const auto [found, width] = painted();
+    scene.prints.widen = {width, width};
+    EXPECT_EQ(painted().first, found);
 }
 
 TEST(LevelErrors, ATriangleWithoutPointsMayBeAsFineAsItsBorder) {
