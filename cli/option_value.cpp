@@ -46,6 +46,29 @@ Vec3d OptionValue<Vec3d>::parse(std::string_view text) {
     return value;
 }
 
+std::optional<std::uint64_t> parse_count(std::string_view text) {
+    const char* const end = text.data() + text.size();
+    std::uint64_t whole = 0;
+    const auto [stop, error] = std::from_chars(text.data(), end, whole);
+    if (error == std::errc::result_out_of_range) return std::nullopt;
+    if (error == std::errc{} && stop == end) return whole;
+    constexpr double kMost = 1e15;  // doubles hold each whole number up to it
+    const double unit = text.ends_with('k') || text.ends_with('K') ? 1e3
+                        : text.ends_with('M')                      ? 1e6
+                                                                   : 0.0;
+    double value = 0.0;
+    const auto [last, fault] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
+    const double count = std::round(value * unit);
+    if (fault != std::errc{} || last + 1 != end || unit == 0.0 || !(count >= 0.0) ||
+        std::abs(count - value * unit) > 1e-9 * count)
+        fail(ErrorCode::kInvalidOption,
+             "'{}' is not a count: expected a whole number that is not negative, or thousands and "
+             "millions as 250k and 1.5M",
+             text);
+    if (count > kMost) return std::nullopt;
+    return static_cast<std::uint64_t>(count);
+}
+
 ByteSize OptionValue<ByteSize>::parse(std::string_view text) {
     struct Unit {
         std::string_view suffix;

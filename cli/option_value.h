@@ -27,6 +27,10 @@ concept Worded = requires { EnumWords<T>::words; };
 /// The text as a JSON string, quotes included.
 std::string json_string(std::string_view text);
 
+/// A count: digits, or a number before k or M (thousands, millions) that makes a whole one.
+/// std::nullopt beyond 64 bits.
+std::optional<std::uint64_t> parse_count(std::string_view text);
+
 /// parse(text): the value; throws Error{kInvalidOption} saying what would be accepted.
 /// json(value): the value as JSON text. kPlaceholder: its place in the help; none for a flag.
 template <class T>
@@ -44,16 +48,11 @@ template <std::integral T>
 struct OptionValue<T> {
     static std::string placeholder() { return "N"; }
     static T parse(std::string_view text) {
-        T value{};
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, value);
-        if (error == std::errc::result_out_of_range)
+        const std::optional<std::uint64_t> value = parse_count(text);
+        if (!value || *value > std::uint64_t{std::numeric_limits<T>::max()})
             fail(ErrorCode::kInvalidOption, "{} is out of range: at most {}", text,
                  std::numeric_limits<T>::max());
-        if (error != std::errc{} || stop != end || value < T{0})
-            fail(ErrorCode::kInvalidOption,
-                 "'{}' is not a count: expected a whole number that is not negative", text);
-        return value;
+        return static_cast<T>(*value);
     }
     static std::string json(T value) { return fmt::format("{}", value); }
 };

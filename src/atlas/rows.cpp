@@ -39,13 +39,13 @@ constexpr double kLowestShare = 0.6;
 
 // Candidates tried per shape placed, those of like lean first. Without colours 200 fill as well;
 // with them more find like ones.
-constexpr int kTrials = 400;
+constexpr int kTrials = 200, kTrialsWithColors = 400;
 
 // At least this many of a lower height class, when the taller one has few left.
 constexpr int kTrialsPerClass = 30;
 
-// Height classes tried for one place, when few fit.
-constexpr int kMaxTrials = 4 * kTrials;
+// Times as many candidates are tried for one place when few fit.
+constexpr int kPatience = 4;
 
 // A leftover is worth a row of its own if it is this many times as wide as a typical shape; as long
 // as there are untouched scan lines.
@@ -105,7 +105,10 @@ Row slice(const Row& row, int begin, int height, int limit) {
 class RowPacker {
  public:
     RowPacker(const ShapeSet& shapes, Layout& layout)
-        : shapes_(shapes), layout_(layout), index_(shapes, kNumPoses, [&](int rank, int pose) {
+        : shapes_(shapes),
+          layout_(layout),
+          trials_(shapes.tints().are_one() ? kTrials : kTrialsWithColors),
+          index_(shapes, kNumPoses, [&](int rank, int pose) {
               return lean(shapes.left_profile(rank, pose), shapes[rank].height);
           }) {
         for (int rank = 0; rank < shapes.size(); ++rank)
@@ -200,7 +203,7 @@ class RowPacker {
         for (std::size_t c = tallest_; c < classes.size() && classes[c].height >= lowest; ++c) {
             if (classes[c].num_left == 0) continue;
             const MatchIndex::HeightClass& like = classes[c];
-            const int trials = std::max(kTrials - num_tried, kTrialsPerClass);
+            const int trials = std::max(trials_ - num_tried, kTrialsPerClass);
             MatchIndex::Walk walk(index_, like, lean(row.edge.data(), like.height));
             const std::int64_t edge_sum = sum_of(row.edge.data(), like.height);
             for (int n = 0; n < trials; ++n, ++num_tried) {
@@ -208,7 +211,7 @@ class RowPacker {
                 if (e == nullptr) break;
                 try_shape(row, edge_sum, c, e->rank, e->pose, best);
             }
-            if (num_tried >= (best.rank == kUnplaced ? kMaxTrials : kTrials)) break;
+            if (num_tried >= (best.rank == kUnplaced ? kPatience * trials_ : trials_)) break;
         }
         return best;
     }
@@ -355,6 +358,7 @@ class RowPacker {
 
     const ShapeSet& shapes_;
     Layout& layout_;
+    int trials_;
     MatchIndex index_;
     std::vector<std::int64_t> profile_sums_;  // by rank, left and right
     std::vector<int> narrowest_;              // per class: no narrower shape is left

@@ -70,11 +70,29 @@ TEST(OptionTable, SetsEveryKindOfValue) {
     EXPECT_EQ(f.run.progress, ProgressMode::kJson);
 }
 
+TEST(OptionTable, ReadsThousandsAndMillions) {
+    Fixture f;
+    for (const auto& [text, count] :
+         std::vector<std::pair<const char*, std::uint32_t>>{{"250k", 250'000},
+                                                            {"10K", 10'000},
+                                                            {"1.5M", 1'500'000},
+                                                            {"0.001k", 1},
+                                                            {"4294967295", 4'294'967'295}}) {
+        f.table.set("triangles", text);
+        EXPECT_EQ(f.simplify.triangles, count) << text;
+    }
+}
+
 TEST(OptionTable, RefusesWhatIsNoValueAndNamesTheOption) {
     Fixture f;
     for (const auto& [name, text] :
          std::vector<std::pair<const char*, const char*>>{{"triangles", "-1"},
-                                                          {"triangles", "5k"},
+                                                          {"triangles", "5 k"},
+                                                          {"triangles", "0.0001k"},
+                                                          {"triangles", "infM"},
+                                                          {"triangles", "k"},
+                                                          {"triangles", "-5k"},
+                                                          {"triangles", "5000M"},
                                                           {"triangles", "4294967296"},
                                                           {"triangles", ""},
                                                           {"texture-error", "nan"},
