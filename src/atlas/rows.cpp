@@ -25,7 +25,7 @@ constexpr double kHeightLoss = 3.0;
 
 // Weight of the texels of a shape of another colour than belongs there (Tints::distance). Rows that
 // all run through the colours from left to right have like ones beside, above and below each shape,
-// so that mip levels mix like ones; it costs one percent of fill.
+// so that mip levels mix like ones; it costs one and a half percent of fill.
 constexpr double kTintLoss = 0.2;
 
 // A row runs through the tints of the shapes that so many rows like it will hold: colours of small

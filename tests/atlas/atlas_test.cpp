@@ -189,6 +189,13 @@ TEST(Pack, PutsLikeShapesSideBySide) {
     EXPECT_GT(sorted.fill(), plain.fill() - 0.04);
 }
 
+TEST(Pack, RefusesColoursThatAreNoNumbers) {
+    std::vector<PatchShape> shapes{rectangle(8, 8), rectangle(8, 8)};
+    EXPECT_NO_THROW(pack(shapes));
+    shapes[1].color.y = std::nanf("");
+    EXPECT_THROW(pack(shapes), Error);
+}
+
 TEST(Pack, OfNothingIsNothing) {
     const Packing packing = pack({});
     EXPECT_TRUE(packing.pages.empty());
