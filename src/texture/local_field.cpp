@@ -71,17 +71,18 @@ std::optional<LocalField::Unfolded> LocalField::unfold_across(const Unfolded& at
 }
 
 // Whether an unfolded triangle comes within `reach` of the edge of the home triangle that the way
-// to it leaves through.
+// to it leaves through: around its ends, ways would else go on behind the home triangle.
 bool LocalField::is_near_root(const Unfolded& u, double reach) const {
     const RootEdge& root = roots_[u.root];
-    double nearest = HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
+    double nearest = HUGE_VAL, farthest = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
     for (const Vec2d& corner : scene_.shell.frame(u.triangle).corners) {
         const Vec2d d = u.place(corner) - root.start;
         nearest = std::min(nearest, dot(d, root.outward));
+        farthest = std::max(farthest, dot(d, root.outward));
         first = std::min(first, dot(d, root.along));
         last = std::max(last, dot(d, root.along));
     }
-    return nearest <= reach && last >= -reach && first <= root.length + reach;
+    return farthest >= -reach && nearest <= reach && last >= -reach && first <= root.length + reach;
 }
 
 // Breadth first over edges; each triangle is unfolded once, along the first way found. A way stays

@@ -17,6 +17,12 @@ constexpr std::size_t kGrain = 32;       // triangles per chunk
 constexpr std::size_t kPoll = 1U << 14;  // triangles between two looks at the stop token
 constexpr double kInside = 1e-6;         // barycentrics: nearer to an edge counts as on it
 constexpr double kSameTexel = 1e-3;      // corners that lie apart by more are on other charts
+// Texels finer than this share of the points' spacing show what is between the points: there the
+// splats' values at their centres are as good as any.
+constexpr double kCoarse = 0.6;
+constexpr float kSampleWeight = 0.25F;  // four samples to a texel
+constexpr float kLoosePrior = 0.05F, kFirmPrior = 1.0F;
+constexpr float kPairWeight = 64.0F;
 
 using Corners = std::array<Vec2d, 3>;
 
@@ -128,7 +134,7 @@ void PagePainter::claim_gutter(Index t) {
 }
 
 // Row spans around the texels that a triangle owns; others may lie between them.
-NeedSet PagePainter::owned_by(Index t) const {
+PagePainter::Owned PagePainter::owned_by(Index t) const {
     const Index page = layout_.triangle_pages[t];
     const Corners& c = layout_.triangles[t].corners;
     const int margin = static_cast<int>(std::ceil(gutter(t))) + 1;
@@ -137,12 +143,17 @@ NeedSet PagePainter::owned_by(Index t) const {
     };
     const int x0 = low(c[0].x, c[1].x, c[2].x), x1 = -low(-c[0].x, -c[1].x, -c[2].x);
     const int y0 = low(c[0].y, c[1].y, c[2].y), y1 = -low(-c[0].y, -c[1].y, -c[2].y);
+    Owned owned;
     const auto is_own = [&](int x, int y) {
         if (!has_texel(page, x, y)) return false;
         const TexelOwner& owner = owners_[page][out_.model.images[page].texel(x, y)];
-        return owner.triangle == t && owner.x == x && owner.y == y;
+        if (owner.triangle != t || owner.x != x || owner.y != y) return false;
+        if (!owner.is_inside)
+            owned.beyond =
+                std::max(owned.beyond, std::min(static_cast<double>(owner.distance), gutter(t)));
+        return true;
     };
-    NeedSet out;
+    NeedSet& out = owned.need;
     std::vector<PatchShape::Span> rows;
     int left = x1 + 1, top = y1 + 1, bottom = y0 - 1;
     for (int y = y0; y <= y1; ++y) {
@@ -160,33 +171,80 @@ NeedSet PagePainter::owned_by(Index t) const {
         if (span.left > span.right) span = {left, left};  // nothing in this row
         out.shape.rows.push_back({span.left - left, span.right - left});
     }
-    return out;
+    return owned;
 }
 
-void PagePainter::paint() {
+// The splats around a triangle are gathered once, for its texels and for the samples between them.
+void PagePainter::paint(bool for_fit) {
+    constexpr std::size_t kBatch = 2048;  // triangles whose samples are held at once
     for (const PageSize page : layout_.pages)
         values_.emplace_back(static_cast<std::size_t>(num_texels(page)));
-    const auto paint_range = [&](std::size_t begin, std::size_t end) {
-        TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
-        std::uint64_t num_uncovered = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const Index t = static_cast<Index>(i);
-            if (!is_paintable(t)) continue;
-            NeedSet owned = owned_by(t);
-            const PatchLayout& layout = layout_.triangles[t];
-            gauge.look_at(t);
-            gauge.gather(gutter(t) * layout.pitch());
-            PatchTexels texels = gauge.texels(layout, std::move(owned));
-            settle_tangent(source_, t, {}, texels, out_.model);
-            num_uncovered += copy(t, texels);
-        }
-        return num_uncovered;
-    };
-    out_.report.num_uncovered_texels = parallel_reduce(
-        context_, is_paintable_.size(), kGrain, std::uint64_t{0}, paint_range, std::plus<>());
+    if (for_fit && source_.map.kind == MapKind::kColor) {
+        fit_.emplace(layout_.pages);
+        is_coarse_.assign(is_paintable_.size(), 0);
+    }
+    for (std::size_t first = 0; first < is_paintable_.size(); first += kBatch) {
+        std::vector<std::vector<Sample>> samples(std::min(kBatch, is_paintable_.size() - first));
+        const auto paint_range = [&](std::size_t begin, std::size_t end) {
+            TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
+            std::uint64_t num_uncovered = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                const Index t = static_cast<Index>(first + i);
+                if (!is_paintable(t)) continue;
+                Owned owned = owned_by(t);
+                gauge.look_at(t);
+                gauge.gather(owned.beyond * layout_.triangles[t].pitch());
+                num_uncovered += paint_triangle(t, gauge, std::move(owned.need));
+                if (fit_) {
+                    is_coarse_[t] = layout_.triangles[t].pitch() >= kCoarse * gauge.spacing();
+                    if (is_coarse_[t] != 0) samples[i] = samples_of(t, gauge);
+                }
+            }
+            return num_uncovered;
+        };
+        out_.report.num_uncovered_texels += parallel_reduce(
+            context_, samples.size(), kGrain, std::uint64_t{0}, paint_range, std::plus<>());
+        for (const std::vector<Sample>& of_triangle : samples)
+            for (const Sample& s : of_triangle) fit_->add_sample(s.tap, s.wanted, kSampleWeight);
+    }
     for (std::size_t page = 0; page < owners_.size(); ++page)
         for (std::size_t i = 0; i < owners_[page].size(); ++i)
             out_.owned[page][i] = owners_[page][i].triangle != kInvalidIndex;
+}
+
+std::uint64_t PagePainter::paint_triangle(Index t, const TriangleGauge& gauge, NeedSet owned) {
+    PatchTexels texels = gauge.texels(layout_.triangles[t], std::move(owned));
+    settle_tangent(source_, t, {}, texels, out_.model);
+    return copy(t, texels);
+}
+
+// Four to a texel, splatted as if they were texels of half the size.
+std::vector<PagePainter::Sample> PagePainter::samples_of(Index t,
+                                                         const TriangleGauge& gauge) const {
+    std::vector<Sample> out;
+    const PatchLayout& layout = layout_.triangles[t];
+    const Corners& c = layout.corners;
+    if (cross(c[1] - c[0], c[2] - c[0]) == 0.0) return out;
+    PatchLayout halves = layout;
+    const auto half = [](auto x) { return x + x; };
+    for (Vec2d& corner : halves.corners) corner = half(corner) + Vec2d{0.5, 0.5};
+    halves.origin = half(layout.origin) + Vec2f{0.5F, 0.5F};
+    halves.column_x = half(layout.column_x);
+    halves.column_y = half(layout.column_y);
+    const PatchTexels texels = gauge.texels(halves);
+    for (int row = 0; row < texels.need.shape.height(); ++row) {
+        const PatchShape::Span span = texels.need.shape.rows[static_cast<std::size_t>(row)];
+        for (int j = span.left; j <= span.right; ++j) {
+            const Vec2d place = (Vec2d{static_cast<double>(j + texels.need.offset_x),
+                                       static_cast<double>(row + texels.need.offset_y)} -
+                                 Vec2d{0.5, 0.5}) *
+                                0.5;
+            if (depth_inside(c, place) < -kInside) continue;
+            if (const auto tap = fit_->tap(layout_.triangle_pages[t], place))
+                out.push_back({*tap, texels.value(j, row)});
+        }
+    }
+    return out;
 }
 
 // How many of its texels inside the triangle no splat reached.
@@ -212,29 +270,13 @@ std::uint64_t PagePainter::copy(Index t, const PatchTexels& texels) {
     return num_uncovered;
 }
 
-namespace {
-
-// Texels finer than this share of the points' spacing show what is between the points: there the
-// splats' values at their centres are as good as any.
-constexpr double kCoarse = 0.6;
-constexpr float kSampleWeight = 0.25F;  // four samples to a texel
-constexpr float kLoosePrior = 0.05F, kFirmPrior = 1.0F;
-constexpr float kPairWeight = 64.0F;
-
-struct Sample {
-    TexelFit::Tap tap;
-    Vec3f wanted;
-};
-
-}  // namespace
-
 void PagePainter::fit() {
-    if (source_.map.kind != MapKind::kColor) return;
-    TexelFit fit(layout_.pages, values_);
-    add_samples(fit);
+    if (!fit_) return;
+    add_priors();
     for (Index t = 0; t < is_paintable_.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) add_border(t, k, fit);
-    values_ = fit.solve(context_);
+        for (std::size_t k = 0; k < 3; ++k) add_border(t, k);
+    values_ = fit_->solve(values_, context_);
+    fit_.reset();
     for (std::size_t page = 0; page < values_.size(); ++page) {
         Image& image = out_.model.images[page];
         parallel_for(context_, values_[page].size(), std::size_t{1} << 14,
@@ -249,61 +291,18 @@ void PagePainter::fit() {
     }
 }
 
-// Four samples to a texel, splatted as if they were texels of half the size.
-void PagePainter::add_samples(TexelFit& fit) const {
-    constexpr std::size_t kBatch = 2048;
-    std::vector<std::uint8_t> is_coarse(is_paintable_.size(), 0);
-    for (std::size_t first = 0; first < is_paintable_.size(); first += kBatch) {
-        const std::size_t count = std::min(kBatch, is_paintable_.size() - first);
-        std::vector<std::vector<Sample>> samples(count);
-        parallel_for(context_, count, kGrain, [&](std::size_t begin, std::size_t end) {
-            TriangleGauge gauge(source_.scene, source_.cloud, source_.map);
-            for (std::size_t i = begin; i < end; ++i) {
-                const Index t = static_cast<Index>(first + i);
-                if (!is_paintable(t)) continue;
-                const PatchLayout& layout = layout_.triangles[t];
-                const Corners& c = layout.corners;
-                if (cross(c[1] - c[0], c[2] - c[0]) == 0.0) continue;
-                gauge.look_at(t);
-                if (layout.pitch() < kCoarse * gauge.spacing()) continue;
-                is_coarse[t] = 1;
-                gauge.gather();
-                PatchLayout halves = layout;
-                const auto half = [](auto x) { return x + x; };
-                for (Vec2d& corner : halves.corners) corner = half(corner) + Vec2d{0.5, 0.5};
-                halves.origin = half(layout.origin) + Vec2f{0.5F, 0.5F};
-                halves.column_x = half(layout.column_x);
-                halves.column_y = half(layout.column_y);
-                const PatchTexels texels = gauge.texels(halves);
-                for (int row = 0; row < texels.need.shape.height(); ++row) {
-                    const PatchShape::Span span =
-                        texels.need.shape.rows[static_cast<std::size_t>(row)];
-                    for (int j = span.left; j <= span.right; ++j) {
-                        const Vec2d place =
-                            (Vec2d{static_cast<double>(j + texels.need.offset_x),
-                                   static_cast<double>(row + texels.need.offset_y)} -
-                             Vec2d{0.5, 0.5}) *
-                            0.5;
-                        if (depth_inside(c, place) < -kInside) continue;
-                        if (const auto tap = fit.tap(layout_.triangle_pages[t], place))
-                            samples[i].push_back({*tap, texels.value(j, row)});
-                    }
-                }
-            }
-        });
-        for (const std::vector<Sample>& of_triangle : samples)
-            for (const Sample& s : of_triangle) fit.add_sample(s.tap, s.wanted, kSampleWeight);
-    }
+// Texels are held to what was painted: loosely where samples say what is wanted.
+void PagePainter::add_priors() {
     for (Index page = 0; page < owners_.size(); ++page)
         for (std::size_t i = 0; i < owners_[page].size(); ++i) {
             const Index t = owners_[page][i].triangle;
             if (t != kInvalidIndex)
-                fit.add_prior(page, i, is_coarse[t] != 0 ? kLoosePrior : kFirmPrior);
+                fit_->add_prior(page, i, is_coarse_[t] != 0 ? kLoosePrior : kFirmPrior);
         }
 }
 
 // Both sides of a border edge, twice to a texel.
-void PagePainter::add_border(Index t, std::size_t k, TexelFit& fit) const {
+void PagePainter::add_border(Index t, std::size_t k) {
     const Index next = source_.scene.neighbors[t][k];
     if (next == kInvalidIndex || next < t || !is_border(t, k)) return;
     if (!is_paintable(t) || !is_paintable(next)) return;
@@ -314,9 +313,9 @@ void PagePainter::add_border(Index t, std::size_t k, TexelFit& fit) const {
         std::max(1, static_cast<int>(std::ceil(2.0 * std::max(length(b - a), length(d - c)))));
     for (int i = 0; i < count; ++i) {
         const double s = (i + 0.5) / count;
-        const auto here = fit.tap(layout_.triangle_pages[t], a + (b - a) * s);
-        const auto there = fit.tap(layout_.triangle_pages[next], c + (d - c) * s);
-        if (here && there) fit.add_pair(*here, *there, kPairWeight);
+        const auto here = fit_->tap(layout_.triangle_pages[t], a + (b - a) * s);
+        const auto there = fit_->tap(layout_.triangle_pages[next], c + (d - c) * s);
+        if (here && there) fit_->add_pair(*here, *there, kPairWeight);
     }
 }
 

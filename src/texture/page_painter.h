@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "texture/level_errors.h"
@@ -36,10 +37,10 @@ class PagePainter {
     /// A texel belongs to the first triangle that covers its centre; else, within a gutter, to the
     /// nearest; else to the first that needs it.
     void find_owners();
-    /// Every triangle splats the texels that belong to it.
-    void paint();
+    /// Every triangle splats the texels that belong to it; `for_fit`: and what fit() goes by.
+    void paint(bool for_fit = false);
     /// Makes texels that are coarser than the points fit them, and both sides of every border show
-    /// the same. Colours only.
+    /// the same. Colours only, after paint(true).
     void fit();
     /// Lets each page be filled and coded; what it holds then is what is measured.
     void finish(const std::function<void(Image&, std::span<const std::uint8_t>)>& finish_page);
@@ -61,6 +62,14 @@ class PagePainter {
         float distance = 0.0F;  // to the triangle; infinite where it merely needs the texel
         bool is_inside = false, is_shared = false;
     };
+    struct Owned {
+        NeedSet need;
+        double beyond = 0.0;  // texels that the farthest lies outside the triangle
+    };
+    struct Sample {
+        TexelFit::Tap tap;
+        Vec3f wanted;
+    };
     double gutter(Index triangle) const {
         return layout_.gutters.empty() ? 0.0 : layout_.gutters[triangle];
     }
@@ -68,10 +77,12 @@ class PagePainter {
     void claim_gutter(Index triangle);
     bool is_border(Index triangle, std::size_t k) const;
     Vec2d corner_at(Index triangle, Index vertex) const;
-    NeedSet owned_by(Index triangle) const;
+    Owned owned_by(Index triangle) const;
     std::uint64_t copy(Index triangle, const PatchTexels& texels);
-    void add_samples(TexelFit& fit) const;
-    void add_border(Index triangle, std::size_t k, TexelFit& fit) const;
+    std::uint64_t paint_triangle(Index triangle, const TriangleGauge& gauge, NeedSet owned);
+    std::vector<Sample> samples_of(Index triangle, const TriangleGauge& gauge) const;
+    void add_priors();
+    void add_border(Index triangle, std::size_t k);
     Vec3f read_page(std::span<const Image> pages, Index triangle, Vec2f place) const;
     bool is_lost_by_format(Index triangle, double bound, TriangleGauge& gauge) const;
     std::vector<TextureReport::Density> densities(std::span<const double> areas) const;
@@ -85,7 +96,9 @@ class PagePainter {
     std::vector<std::vector<TexelOwner>> owners_;
     std::vector<float> errors_;  // per triangle
     TexelFit::Values values_;    // of the texels, not rounded
-    std::vector<Image> exact_;   // pages before a format lost some of them; empty = none did
+    std::optional<TexelFit> fit_;
+    std::vector<std::uint8_t> is_coarse_;  // per triangle: texels are coarser than its points
+    std::vector<Image> exact_;  // pages before a format lost some of them; empty = none did
     BakedTexture out_;
 };
 

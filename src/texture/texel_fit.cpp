@@ -35,12 +35,11 @@ void for_all(std::size_t size, const Context& context, Update&& update) {
 
 }  // namespace
 
-TexelFit::TexelFit(std::span<const PageSize> pages, const Values& start)
-    : pages_(pages.begin(), pages.end()), start_(start) {
+TexelFit::TexelFit(std::span<const PageSize> pages) : pages_(pages.begin(), pages.end()) {
     std::size_t size = 0;
-    for (const std::vector<Vec3f>& page : start) {
+    for (const PageSize& page : pages_) {
         first_of_page_.push_back(size);
-        size += page.size();
+        size += static_cast<std::size_t>(num_texels(page));
     }
     matrix_.resize(size);
     prior_.resize(size);
@@ -69,21 +68,13 @@ std::array<std::size_t, 4> TexelFit::texels_of(const Tap& tap) const {
     return {first, first + 1, below, below + 1};
 }
 
-Vec3f TexelFit::read_start(const Tap& tap) const {
-    Vec3f sum;
-    const std::array<std::size_t, 4> at = texels_of(tap);
-    for (std::size_t k = 0; k < 4; ++k)
-        sum += start_[tap.page][at[k] - first_of_page_[tap.page]] * tap.weights[k];
-    return sum;
-}
-
 void TexelFit::scatter(const Tap& tap, Vec3f value, Vector& to) const {
     const std::array<std::size_t, 4> at = texels_of(tap);
     for (std::size_t k = 0; k < 4; ++k) to[at[k]] += value * tap.weights[k];
 }
 
 void TexelFit::add_sample(const Tap& tap, Vec3f wanted, float weight) {
-    scatter(tap, (wanted - read_start(tap)) * weight, right_);
+    scatter(tap, wanted * weight, right_);
     const auto [upper_left, upper_right, lower_left, lower_right] = texels_of(tap);
     const auto [a, b, c, d] = tap.weights;
     matrix_[upper_left].self += weight * a * a;
@@ -99,14 +90,49 @@ void TexelFit::add_sample(const Tap& tap, Vec3f wanted, float weight) {
 }
 
 void TexelFit::add_pair(const Tap& a, const Tap& b, float weight) {
-    const Vec3f difference = (read_start(b) - read_start(a)) * weight;
-    scatter(a, difference, right_);
-    scatter(b, difference * -1.0F, right_);
     pairs_.push_back({a, b, weight});
 }
 
 void TexelFit::add_prior(Index page, std::size_t texel, float weight) {
     prior_[first_of_page_[page] + texel] += weight;
+}
+
+// Minus the gradient at the start: what samples and pairs ask for beyond what it shows. (The prior
+// asks for nothing there.)
+Vector TexelFit::misfit(const Values& start) const {
+    Vector out = right_;
+    for (std::size_t page = 0; page < pages_.size(); ++page) {
+        const std::size_t first = first_of_page_[page];
+        const auto width = static_cast<std::size_t>(pages_[page].width);
+        const std::vector<Vec3f>& values = start[page];
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const Stencil& m = matrix_[first + i];
+            if (!(m.self > 0.0F)) continue;
+            out[first + i] -= values[i] * m.self;
+            const auto add = [&](std::size_t other, float weight) {
+                if (weight == 0.0F) return;
+                out[first + i] -= values[other] * weight;
+                out[first + other] -= values[i] * weight;
+            };
+            add(i + 1, m.right);
+            add(i + width - 1, m.lower_left);
+            add(i + width, m.lower);
+            add(i + width + 1, m.lower_right);
+        }
+    }
+    const auto read = [&](const Tap& tap) {
+        Vec3f sum;
+        const std::array<std::size_t, 4> at = texels_of(tap);
+        for (std::size_t k = 0; k < 4; ++k)
+            sum += start[tap.page][at[k] - first_of_page_[tap.page]] * tap.weights[k];
+        return sum;
+    };
+    for (const Pair& pair : pairs_) {
+        const Vec3f difference = (read(pair.b) - read(pair.a)) * pair.weight;
+        scatter(pair.a, difference, out);
+        scatter(pair.b, difference * -1.0F, out);
+    }
+    return out;
 }
 
 /// The equations of the texels that samples or pairs move.
@@ -121,7 +147,8 @@ class TexelFit::System {
         for (std::size_t page = 0; page < fit.pages_.size(); ++page) {
             const std::size_t first = fit.first_of_page_[page];
             const auto width = static_cast<std::size_t>(fit.pages_[page].width);
-            for (std::size_t i = 0; i < fit.start_[page].size(); ++i) {
+            const auto count = static_cast<std::size_t>(num_texels(fit.pages_[page]));
+            for (std::size_t i = 0; i < count; ++i) {
                 if (is_moved[first + i] == 0 || !(fit.prior_[first + i] > 0.0F)) continue;
                 number_[first + i] = static_cast<Index>(texels_.size());
                 texels_.push_back(first + i);
@@ -226,13 +253,14 @@ class TexelFit::System {
     std::vector<Pull> pulls_;
 };
 
-TexelFit::Values TexelFit::solve(const Context& context) const {
+TexelFit::Values TexelFit::solve(const Values& start, const Context& context) const {
     System system(*this);
     const std::size_t size = system.size();
     // Jacobi's preconditioner.
     const std::vector<float> inverse = system.inverse_diagonal();
     Vector change(size), residual(size), search(size), product(size), scaled(size);
-    for_all(size, context, [&](std::size_t i) { residual[i] = right_[system.texel(i)]; });
+    const Vector wanted = misfit(start);
+    for_all(size, context, [&](std::size_t i) { residual[i] = wanted[system.texel(i)]; });
     const auto rescale = [&] {
         for_all(size, context, [&](std::size_t i) { scaled[i] = residual[i] * inverse[i]; });
         return dot_all(residual, scaled, context);
@@ -255,7 +283,7 @@ TexelFit::Values TexelFit::solve(const Context& context) const {
         rho = next;
         for_all(size, context, [&](std::size_t i) { search[i] = scaled[i] + search[i] * turn; });
     }
-    Values out = start_;
+    Values out = start;
     std::size_t page = 0;
     for (std::size_t i = 0; i < size; ++i) {
         const std::size_t texel = system.texel(i);

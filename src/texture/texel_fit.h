@@ -22,7 +22,7 @@ class TexelFit {
     /// Values of the texels by page and rows: t0.
     using Values = std::vector<std::vector<Vec3f>>;
 
-    TexelFit(std::span<const PageSize> pages, const Values& start);
+    explicit TexelFit(std::span<const PageSize> pages);
 
     /// The four texels that are read at a place, integers being centres.
     struct Tap {
@@ -38,8 +38,8 @@ class TexelFit {
     /// Texels without a prior stay as they are.
     void add_prior(Index page, std::size_t texel, float weight);
 
-    /// What comes nearest.
-    Values solve(const Context& context) const;
+    /// What comes nearest, from t0 on.
+    Values solve(const Values& start, const Context& context) const;
 
  private:
     /// Of the symmetric matrix: a texel with itself and with four of the eight around it; the
@@ -53,15 +53,14 @@ class TexelFit {
     };
     class System;
     std::array<std::size_t, 4> texels_of(const Tap& tap) const;
-    Vec3f read_start(const Tap& tap) const;
+    std::vector<Vec3f> misfit(const Values& start) const;
     void scatter(const Tap& tap, Vec3f value, std::vector<Vec3f>& to) const;
 
     std::vector<PageSize> pages_;
-    const Values& start_;
     std::vector<std::size_t> first_of_page_;  // texels of all pages, one after the other
     std::vector<Stencil> matrix_;             // per texel
     std::vector<float> prior_;
-    std::vector<Vec3f> right_;
+    std::vector<Vec3f> right_;  // what the samples ask for
     std::vector<Pair> pairs_;
 };
 

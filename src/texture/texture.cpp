@@ -341,9 +341,9 @@ BakedTexture TextureBaker::bake(const TexturePlan& plan, double bound,
     PagePainter painter(source, layout, context);
     log(context, LogLevel::kDebug, "texture: painting");
     painter.find_owners();
-    painter.paint();
+    painter.paint(/*for_fit=*/!impl_->options.paper);
     log(context, LogLevel::kDebug, "texture: fitting");
-    if (!impl_->options.paper) painter.fit();
+    painter.fit();
     painter.finish(impl_->options.finish_page);
     log(context, LogLevel::kDebug, "texture: measuring pages");
     painter.measure(bound,
