@@ -32,13 +32,14 @@ struct ShortNumber {
     bool has_point = false;  ///< and digits behind it
 };
 
+inline constexpr std::array<double, 16> kPowersOfTen{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                     1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+
 /// A number of at most 15 digits without an exponent: the same bits as std::from_chars gives,
 /// sooner.
 // Both the digits as a whole number and the power of ten are doubles, and their quotient is rounded
 // once.
 inline ShortNumber read_short_number(const char* begin, const char* end) {
-    constexpr std::array<double, 16> kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                             1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
     const char* p = begin;
     const bool is_negative = p != end && *p == '-';
     p += is_negative;
@@ -58,8 +59,9 @@ inline ShortNumber read_short_number(const char* begin, const char* end) {
         num_behind = take_digits();
         num_digits += num_behind;
     }
-    if (num_digits == 0 || num_digits >= std::ssize(kPowers)) return {};
-    const double size = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(num_behind)];
+    if (num_digits == 0 || num_digits >= std::ssize(kPowersOfTen)) return {};
+    const double size =
+        static_cast<double>(digits) / kPowersOfTen[static_cast<std::size_t>(num_behind)];
     return {p, is_negative ? -size : size, num_behind > 0};
 }
 
