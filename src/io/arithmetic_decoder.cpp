@@ -3,6 +3,9 @@
 #include "io/arithmetic_decoder.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
 
 namespace pointbake {
 namespace {
@@ -16,14 +19,11 @@ constexpr unsigned kUpperBits = 8;        // of a difference, coded by a model
 }  // namespace
 
 SymbolModel::SymbolModel(std::uint32_t num_symbols)
-    : num_symbols_(num_symbols), counts_(num_symbols, 1), cumulated_(num_symbols) {
-    constexpr std::uint32_t kLeastForTable = 17;
-    if (num_symbols >= kLeastForTable) {
-        unsigned table_bits = 3;
-        while (num_symbols > 1U << (table_bits + 2)) ++table_bits;
-        table_.resize((std::size_t{1} << table_bits) + 2);
-        table_shift_ = kSymbolShift - table_bits;
-    }
+    : num_symbols_(num_symbols), entries_(num_symbols + 1) {
+    entries_.back().begin = std::numeric_limits<std::uint16_t>::max();
+    const auto table_bits = static_cast<unsigned>(std::bit_width(num_symbols));
+    table_.resize(std::size_t{1} << table_bits);
+    table_shift_ = kSymbolShift - table_bits;
     cycle_ = num_symbols;
     update();
     cycle_ = until_update_ = (num_symbols + 6) / 2;
@@ -33,8 +33,9 @@ void SymbolModel::update() {
     total_ += cycle_;
     if (total_ > kMaxCount) {
         total_ = 0;
-        for (std::uint32_t& count : counts_) {
-            count = (count + 1) / 2;
+        for (std::uint32_t k = 0; k < num_symbols_; ++k) {
+            std::uint16_t& count = entries_[k].count;
+            count = static_cast<std::uint16_t>((count + 1) / 2);
             total_ += count;
         }
     }
@@ -42,16 +43,14 @@ void SymbolModel::update() {
     std::uint32_t sum = 0;
     std::size_t slot = 0;
     for (std::uint32_t k = 0; k < num_symbols_; ++k) {
-        cumulated_[k] = (scale * sum) >> (31 - kSymbolShift);
-        sum += counts_[k];
-        if (table_.empty()) continue;
-        const std::size_t last_slot = cumulated_[k] >> table_shift_;
-        while (slot < last_slot) table_[++slot] = k - 1;
+        const std::uint32_t begin = (scale * sum) >> (31 - kSymbolShift);
+        entries_[k].begin = static_cast<std::uint16_t>(begin);
+        sum += entries_[k].count;
+        for (; slot << table_shift_ < begin; ++slot)
+            table_[slot] = static_cast<std::uint16_t>(k - 1);
     }
-    if (!table_.empty()) {
-        table_[0] = 0;
-        while (slot + 1 < table_.size()) table_[++slot] = num_symbols_ - 1;
-    }
+    for (; slot < table_.size(); ++slot)
+        table_[slot] = static_cast<std::uint16_t>(num_symbols_ - 1);
     cycle_ = std::min(cycle_ * 5 / 4, (num_symbols_ + 6) * 8);
     until_update_ = cycle_;
 }
@@ -80,38 +79,36 @@ std::uint32_t ArithmeticDecoder::next_byte() {
     return 0;
 }
 
-void ArithmeticDecoder::take_bytes() {
-    do {
-        value_ = value_ << 8 | next_byte();
-        length_ <<= 8;
-    } while (length_ < kLeastLength);
+/// Brings the length of the interval back to at least 2^24.
+inline void ArithmeticDecoder::refill() {
+    // Without a branch, as nobody could guess which symbols take a byte.
+    const auto num_bits = static_cast<unsigned>(std::countl_zero(length_)) & ~7U;
+    length_ <<= num_bits;
+    if (next_ + sizeof(std::uint32_t) <= bytes_.size()) {
+        std::uint32_t next = 0;
+        std::memcpy(&next, &bytes_[next_], sizeof next);
+        const std::uint64_t both = std::uint64_t{value_} << 32 | __builtin_bswap32(next);
+        value_ = static_cast<std::uint32_t>(both >> (32 - num_bits));
+        next_ += num_bits / 8;
+        return;
+    }
+    for (unsigned n = 0; n < num_bits; n += 8) value_ = value_ << 8 | next_byte();
 }
 
 std::uint32_t ArithmeticDecoder::symbol(SymbolModel& model) {
-    const std::uint32_t* const cumulated = model.cumulated_.data();
-    const std::uint32_t num_symbols = model.num_symbols_;
+    SymbolModel::Entry* const entries = model.entries_.data();
     const std::uint32_t part = length_ >> kSymbolShift;
     // Of damaged bytes the value may lie outside of the interval.
     const std::uint32_t place = std::min(value_ / part, kMaxCount - 1);
-    std::uint32_t found = 0, end = num_symbols;
-    if (!model.table_.empty()) {
-        const std::uint32_t* const guess = &model.table_[place >> model.table_shift_];
-        found = guess[0];
-        end = guess[1] + 1;
-    }
-    while (end > found + 1) {
-        const std::uint32_t middle = (found + end) / 2;
-        if (cumulated[middle] > place)
-            end = middle;
-        else
-            found = middle;
-    }
-    const std::uint32_t low = cumulated[found] * part;
-    const std::uint32_t high = found + 1 == num_symbols ? length_ : cumulated[found + 1] * part;
+    std::uint32_t found = model.table_[place >> model.table_shift_];
+    while (entries[found + 1].begin <= place) ++found;
+    const std::uint32_t low = entries[found].begin * part;
+    const std::uint32_t high =
+        found + 1 == model.num_symbols_ ? length_ : entries[found + 1].begin * part;
     value_ -= low;
     length_ = high - low;
     refill();
-    ++model.counts_[found];
+    ++entries[found].count;
     if (--model.until_update_ == 0) model.update();
     return found;
 }

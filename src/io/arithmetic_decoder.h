@@ -22,10 +22,15 @@ class SymbolModel {
     friend class ArithmeticDecoder;
     void update();
 
+    // Numbers up to 2^15, those of a symbol side by side: a file has hundreds of models, and what
+    // is small stays in the cache.
+    struct Entry {
+        std::uint16_t begin = 0;  ///< of 2^15, all symbols below it
+        std::uint16_t count = 1;
+    };
     std::uint32_t num_symbols_;
-    std::vector<std::uint32_t> counts_;
-    std::vector<std::uint32_t> cumulated_;  ///< of 2^15, for each symbol those below it
-    std::vector<std::uint32_t> table_;      ///< first guess by the upper bits; many symbols only
+    std::vector<Entry> entries_;        ///< per symbol, and one for their end
+    std::vector<std::uint16_t> table_;  ///< by upper bits: the symbol that they begin in
     unsigned table_shift_ = 0;
     std::uint32_t total_ = 0, cycle_ = 0, until_update_ = 0;
 };
@@ -74,13 +79,8 @@ class ArithmeticDecoder {
     bool is_overrun() const { return num_missing_ > 0; }
 
  private:
-    static constexpr std::uint32_t kLeastLength = 1U << 24;  ///< of the interval, after a symbol
-
     std::uint32_t next_byte();
-    void take_bytes();
-    void refill() {
-        if (length_ < kLeastLength) take_bytes();
-    }
+    void refill();
 
     std::span<const std::byte> bytes_;
     std::size_t next_ = 0;

@@ -116,14 +116,18 @@ void LasPoints::allocate() {
 
 void LasPoints::store(std::size_t first_row, std::size_t num_rows, const std::byte* records) {
     const std::size_t stride = header_.record_bytes;
-    std::vector<std::vector<double>> values;
-    TableBlock block{first_row, num_rows, {}};
-    for (const std::size_t column : table_.wanted()) {
-        values.emplace_back(num_rows);
-        load_field(fields_[column], records, stride, values.back());
+    // Each column goes through the records once: few enough to stay in the cache meanwhile.
+    constexpr std::size_t kMostRows = 512;
+    std::vector<std::vector<double>> values(table_.wanted().size(), std::vector<double>(kMostRows));
+    for (std::size_t begin = 0; begin < num_rows; begin += kMostRows) {
+        TableBlock block{first_row + begin, std::min(kMostRows, num_rows - begin), {}};
+        for (std::size_t k = 0; k < values.size(); ++k) {
+            const std::span<double> column(values[k].data(), block.num_rows);
+            load_field(fields_[table_.wanted()[k]], records + begin * stride, stride, column);
+            block.columns.emplace_back(column);
+        }
+        table_.store(block);
     }
-    for (const std::vector<double>& column : values) block.columns.emplace_back(column);
-    table_.store(block);
 
     const std::byte flag{is_new_las_format(header_.point_format) ? std::uint8_t{0x04}
                                                                  : std::uint8_t{0x80}};
