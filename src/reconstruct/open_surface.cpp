@@ -18,6 +18,9 @@ namespace {
 // Largest circumradius of a facet in spacings: wider ones span holes. Facets without a flat point
 // have less to show for themselves.
 constexpr double kReach = 3.0, kAgreedReach = 1.2;
+// An umbrella of a clean cloud that keeps this near to the tangent plane is of one sheet, in
+// spacings.
+constexpr double kFlatHeight = 0.05;
 constexpr std::size_t kGrain = 1U << 11;
 constexpr std::size_t kPollInterval = 1U << 16;
 
@@ -92,8 +95,9 @@ class Walker {
     }
 
     // Marks the facets that hang over at v: those that are left over when facets with a free edge
-    // at v are taken away one after the other, and a closed umbrella remains, which goes around v
-    // if that is asked for.
+    // at v are taken away one after the other, and a closed umbrella remains. It must go around v
+    // if it is flat or the cloud noisy: a disc that has a gap must not give way to a sliver, or one
+    // gap after the other eats the surface.
     void find_hanging(Index v, const Candidates& candidates, bool is_strict,
                       std::vector<Spoke>& spokes, std::vector<HalfFacet>& hanging) const {
         spokes.clear();
@@ -114,9 +118,20 @@ class Walker {
                 changed = true;
             }
         }
-        if (num_alive == 0 || (is_strict && !is_around(v, spokes))) return;
+        if (num_alive == 0 || ((is_strict || is_flat(v, spokes)) && !is_around(v, spokes))) return;
         for (const Spoke& s : spokes)
             if (!s.alive) hanging.push_back(s.facet);
+    }
+
+    // Whether the living facets lie in the tangent plane of v.
+    bool is_flat(Index v, const std::vector<Spoke>& spokes) const {
+        const double most = kFlatHeight * static_cast<double>(spacing_[v]);
+        const auto height = [&](Index q) {
+            return std::abs(dot(normals_[v], tets_.points[q] - tets_.points[v]));
+        };
+        return std::all_of(spokes.begin(), spokes.end(), [&](const Spoke& s) {
+            return !s.alive || (height(s.from) <= most && height(s.to) <= most);
+        });
     }
 
     // Whether the living facets go around v: seen along its normal, no half plane holds them all.
@@ -138,20 +153,17 @@ class Walker {
         });
     }
 
-    // Only points at a facet that went can have new hanging ones. From the second round on the
-    // umbrella of a noisy cloud must go around its point: a disc that has a gap since the round
-    // before must not give way to a sliver, or one gap after the other eats the surface.
+    // Only points at a facet that went can have new hanging ones.
     void prune() {
         const Candidates candidates = list_candidates();
         std::vector<Index> todo(tets_.num_real());
         std::iota(todo.begin(), todo.end(), Index{0});
-        for (int round = 0; !todo.empty(); ++round) {
+        while (!todo.empty()) {
             std::vector<std::vector<HalfFacet>> parts((todo.size() + kGrain - 1) / kGrain);
             parallel_for(context_, todo.size(), kGrain, [&](std::size_t begin, std::size_t end) {
                 std::vector<Spoke> spokes;
                 for (std::size_t k = begin; k < end; ++k)
-                    find_hanging(todo[k], candidates, is_noisy_ && round > 0, spokes,
-                                 parts[begin / kGrain]);
+                    find_hanging(todo[k], candidates, is_noisy_, spokes, parts[begin / kGrain]);
             });
             todo.clear();
             for (const auto& part : parts) {

@@ -188,7 +188,7 @@ class Stage {
         const Cocone cocone = find_cocone(tets_, context_);
         report_.num_flat = cocone.num_flat;
         report_progress(context_, kStage, 0.7);
-        FacetSurface surface = extract_open(tets_, cocone, cloud_.noise >= kLeastNoise, context_);
+        FacetSurface surface = extract_open(tets_, cocone, is_or_was_noisy(), context_);
         report_progress(context_, kStage, 0.8);
         choose(cocone, surface);
         if (report_.surface == Surface::kOpen) {
@@ -201,6 +201,8 @@ class Stage {
     }
 
  private:
+    bool is_or_was_noisy() const { return cloud_.noise >= kLeastNoise || !cloud_.measured.empty(); }
+
     // Of points that are not too near to each other.
     Tetrahedra triangulate(const std::vector<Vec3d>& points) {
         const ThinRule rule{

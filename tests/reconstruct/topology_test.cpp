@@ -8,6 +8,7 @@
 
 #include "core/adjacency.h"
 #include "core/hash.h"
+#include "pointbake/denoise.h"
 #include "pointbake/reconstruct.h"
 #include "support/shapes.h"
 
@@ -222,6 +223,24 @@ TEST(Topology, OfASheetWithASquareHole) {
             reconstruct(jittered_sheet(60, 60, 51, at, has), {.surface = Surface::kOpen}),
             {0, 2, 1});
     }
+}
+
+// Nearly all cells of such a grid are slivers, both sides of which were kept here and there.
+void expect_whole_sheet(const PointCloud& cloud, double area) {
+    const ReconstructResult r = reconstruct(cloud, {.surface = Surface::kOpen, .thin = Thin::kOff});
+    EXPECT_LE(r.report.num_boundary_loops, 4U);
+    EXPECT_LT(r.report.num_poor, cloud.size() / 5);
+    EXPECT_NEAR(area_of(r), area, 0.02 * area);
+}
+
+TEST(Topology, OfASheetOfANearlyRegularGrid) {
+    expect_whole_sheet(shapes::plane_cloud(150, 150, 1.0, 0.03, 0.02), 149.0 * 149.0);
+}
+
+TEST(Topology, OfASheetOfARegularGridThatWasNoisy) {
+    const DenoiseResult result = denoise(shapes::plane_cloud(150, 150, 1.0, 0.0, 0.35));
+    ASSERT_FALSE(result.cloud.measured.empty());
+    expect_whole_sheet(result.cloud, 149.0 * 149.0);
 }
 
 TEST(Topology, OfThreeSheetsOnOneEdge) {
