@@ -41,6 +41,14 @@ void check_command_first(const std::filesystem::path& input) {
         if (input == command.name && !std::filesystem::exists(input))
             fail(ErrorCode::kInvalidOption, "the command comes first: pointbake {0} ...",
                  command.name);
+    if (input == "-" || input.has_extension() || input.has_parent_path() ||
+        std::filesystem::exists(input))
+        return;
+    std::vector<std::string_view> names;
+    for (const Command& command : commands()) names.push_back(command.name);
+    fail(ErrorCode::kInvalidOption,
+         "there is neither a file nor a command '{}'; nearest command: {} (see --help)",
+         input.string(), nearest_name(names, input.string()));
 }
 
 /// Two clouds in a row look like two inputs; the second must not be lost to that slip.
@@ -52,7 +60,8 @@ void check_not_points(const Job& job, bool is_named) {
     });
     if (is_likely_input(job.output) && !is_input)
         fail(ErrorCode::kInvalidOption,
-             "{} exists and looks like another input: to overwrite it, name it with -o",
+             "{} exists and looks like another input: to make one cloud of all, name the output "
+             "with -o; to overwrite it, name it so",
              job.output.string());
 }
 

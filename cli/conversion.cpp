@@ -31,6 +31,18 @@ class Stopwatch {
     Clock::time_point start_ = Clock::now();
 };
 
+std::string_view image_extension(ImageFormat format) {
+    switch (format) {
+        case ImageFormat::kJpeg:
+            return ".jpg";
+        case ImageFormat::kWebp:
+            return ".webp";
+        case ImageFormat::kPng:
+            break;
+    }
+    return ".png";
+}
+
 bool writes_points_only(Stage stage) { return stage <= Stage::kAttributes; }
 
 std::vector<std::string> names(const std::vector<fs::path>& paths) {
@@ -43,6 +55,10 @@ void check_options(const Job& job) {
     if (job.write.scale && !(*job.write.scale > 0.0))
         fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", *job.write.scale);
     validate(job.convert);
+    if (job.convert.images.format == ImageFormat::kPng &&
+        job.convert.images.quality != ImageOptions{}.quality)
+        fail(ErrorCode::kInvalidOption,
+             "--texture-quality is of --texture-format jpeg and webp: PNG loses nothing");
     if (lower_extension(job.output) == ".usdz" && job.convert.images.format == ImageFormat::kWebp)
         fail(ErrorCode::kInvalidOption,
              "--texture-format webp does not go with USDZ, which holds PNG and JPEG");
@@ -81,6 +97,8 @@ void check_outputs(const Job& job) {
         check(job.output, kMeshExtensions);
     else
         check(job.output, kModelExtensions);
+    if (job.stop.stop_after > Stage::kSimplify && job.convert.texture.texels != 0)
+        check_no_strangers(job.output, image_extension(job.convert.images.format));
     check(job.files.write_cloud, kPointExtensions);
     check(job.files.write_points, kPointExtensions);
     if (!job.files.debug_maps.empty() &&

@@ -69,8 +69,10 @@ void check_writable(const fs::path& output, std::span<const fs::path> inputs) {
 
 void check_extension(const fs::path& output, std::span<const std::string_view> extensions) {
     if (std::ranges::find(extensions, lower_extension(output)) != extensions.end()) return;
-    fail(ErrorCode::kInvalidOption, "{}: the name of the output must end in {}", output.string(),
-         fmt::join(extensions, ", "));
+    std::error_code error;
+    fail(ErrorCode::kInvalidOption, "{}: the name of the output must end in {}{}", output.string(),
+         fmt::join(extensions, ", "),
+         fs::exists(output, error) ? "; of several inputs -o names the output" : "");
 }
 
 namespace {
@@ -119,6 +121,21 @@ void check_companions(const fs::path& output, std::span<const fs::path> inputs) 
                  "{} would share its textures and other files with the input {}; choose another "
                  "name",
                  output.string(), input.string());
+}
+
+void check_no_strangers(const fs::path& output, std::string_view image_extension) {
+    std::error_code error;
+    if (fs::exists(output, error)) return;
+    const std::string extension = lower_extension(output);
+    std::vector<std::string_view> endings;
+    if (extension == ".obj") endings = {".mtl", image_extension};
+    if (extension == ".gltf") endings = {".bin", image_extension};
+    if (extension == ".ply") endings = {image_extension};
+    for (const std::string_view ending : endings)
+        if (const fs::path file = beside(output, ending); fs::exists(file, error))
+            fail(ErrorCode::kInvalidOption,
+                 "{} is there already and {} would overwrite it: choose another name",
+                 file.string(), output.string());
 }
 
 fs::path beside(const fs::path& file, std::string_view ending) {

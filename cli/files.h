@@ -23,6 +23,9 @@ void check_extension(const std::filesystem::path& output,
 
 /// Throws Error{kInvalidOption} if a model of several files would overwrite what an input of the
 /// same name consists of: x.obj beside x.gltf, both with their x.png.
+/// Refuses an output whose textures or other files would take the place of ones that are there
+/// though the output itself is not: they are not its own.
+void check_no_strangers(const std::filesystem::path& output, std::string_view image_extension);
 void check_companions(const std::filesystem::path& output,
                       std::span<const std::filesystem::path> inputs);
 

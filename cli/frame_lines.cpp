@@ -16,6 +16,7 @@ std::string overrules(const RunReport& r, bool is_asked, std::string_view option
 
 std::string axes_line(const RunReport& r) {
     const UpAxis up = r.write.frame.up;
+    if (up == UpAxis::kAuto) return "axes: up not told: taken for y (--up turns it)";
     return fmt::format("axes: {} up: {}{}", to_word(up),
                        !r.write.has_transform ? "coordinates stay as they are"
                        : up == UpAxis::kY     ? "as glTF has it"
@@ -50,7 +51,7 @@ std::string crs_line(const RunReport& r) {
 std::vector<std::string> frame_lines(const RunReport& r) {
     std::vector<std::string> lines;
     const Frame& frame = r.write.frame;
-    if (frame.up != UpAxis::kAuto) lines.push_back(axes_line(r));
+    if (frame.up != UpAxis::kAuto || r.write.has_transform) lines.push_back(axes_line(r));
     if (frame.metres_per_unit != 0.0 && frame.metres_per_unit != 1.0)
         lines.push_back(units_line(r));
     if (const Vec3d shift = r.write.global_shift; !(shift == Vec3d{}))

@@ -28,8 +28,10 @@ double OptionValue<double>::parse(std::string_view text) {
 
 Vec3d OptionValue<Vec3d>::parse(std::string_view text) {
     Vec3d value;
-    if (text.size() == 1 && 'x' <= text[0] && text[0] <= 'z') {
-        value[static_cast<std::size_t>(text[0] - 'x')] = 1.0;
+    const bool is_minus = text.starts_with('-');
+    if (const std::string_view axis = text.substr(is_minus ? 1 : 0);
+        axis.size() == 1 && 'x' <= axis[0] && axis[0] <= 'z') {
+        value[static_cast<std::size_t>(axis[0] - 'x')] = is_minus ? -1.0 : 1.0;
         return value;
     }
     const char* next = text.data();
@@ -40,7 +42,9 @@ Vec3d OptionValue<Vec3d>::parse(std::string_view text) {
         if (error != std::errc{} || !std::isfinite(value[k]) ||
             (is_last ? stop != end : stop == end || *stop != ','))
             fail(ErrorCode::kInvalidOption,
-                 "'{}' is not a direction: expected x, y, z or three numbers like 1,0.5,-2", text);
+                 "'{}' is not a direction: expected x, -x, y, -y, z, -z or three numbers like "
+                 "1,0.5,-2",
+                 text);
         next = is_last ? stop : stop + 1;
     }
     return value;

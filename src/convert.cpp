@@ -159,7 +159,7 @@ ReconstructResult given_mesh(ConvertInput& input) {
     out.report.surface = Surface::kGiven;
     if (input.mesh) {
         out.surface.mesh = std::move(input.mesh->mesh);
-        out.report.reason = "mesh given with --mesh";
+        out.report.reason = "the mesh that was given";
     } else {
         if (!input.file_mesh) {
             fail(ErrorCode::kInvalidOption,

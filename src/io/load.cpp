@@ -92,7 +92,7 @@ LoadResult read_stl_points(Bytes bytes, const std::filesystem::path& path, const
          "{}: is {}; points are read from PLY, LAS, LAZ, E57, PCD, PTX, OFF, SPZ, splat and tables "
          "of text, and as "
          "vertices from OBJ, STL, GLB and glTF",
-         path.string(), kind.empty() ? "of an unknown kind (it does not begin with 'ply')" : kind);
+         path.string(), kind.empty() ? "of an unknown kind" : kind);
 }
 
 LoadResult with_up(LoadResult result, UpAxis up) {

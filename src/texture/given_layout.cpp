@@ -214,7 +214,8 @@ class GivenPainter {
 void validate(const Mesh& mesh, const GivenLayout& layout) {
     if (mesh.uvs.size() != mesh.triangles.size() || mesh.uvs.empty())
         fail(ErrorCode::kInvalidInput,
-             "the mesh has no texture coordinates to bake into; without --keep-uvs it gets some");
+             "--keep-uvs: the mesh has no texture coordinates to bake into; without it it gets "
+             "some");
     if (layout.triangle_pages.size() != mesh.triangles.size())
         fail(ErrorCode::kInvalidInput, "{} triangles, but pages for {} of them",
              mesh.triangles.size(), layout.triangle_pages.size());

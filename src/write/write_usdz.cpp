@@ -293,7 +293,9 @@ WriteReport UsdzWriter::run() {
     report.global_shift = placement_.translation;
     report.has_transform = true;
     report.num_draw_calls = parts_.size();
-    commit_with_prj(files, path_, report, context_);
+    // No .prj: the shift is not in the file, so the coordinates are not the system's.
+    check_cancelled(context_);
+    files.commit(report);
     return report;
 }
 

@@ -73,7 +73,7 @@ TEST_F(Conversion, TellsOfMergedRowsAndOfFacesThatAreNotUsed) {
     EXPECT_THAT(used.err, testing::Not(HasSubstr("--surface given would")));
     EXPECT_THAT(used.err, testing::Not(HasSubstr("noise")));
     const std::vector<std::string> words = {"-i", "dense.ply", "-o", "a.glb"};
-    const std::string hint = "faces: --surface given would use them";
+    const std::string hint = "faces, only their corners are taken: --surface given would use them";
     EXPECT_THAT(run_well(words).err, HasSubstr(hint));
     EXPECT_THAT(run_well({"info", "dense.ply"}).out, HasSubstr(hint));
 
@@ -425,17 +425,35 @@ TEST_F(Conversion, RenderLooksFromAboveAndKnowsAxes) {
 
 TEST_F(Conversion, RenderLeavesTexturesAlone) {
     for (const std::string extension : {"obj", "gltf"}) {
-        run_well({"in.ply", "-o", "m." + extension, "--triangles", "300"});
+        const std::string model = extension + "." + extension;
+        run_well({"in.ply", "-o", model, "--triangles", "300"});
         std::vector<std::string> textures;
         for (const std::string& name : folder_.files())
-            if (name.ends_with(".png") && !name.ends_with("-picture.png")) textures.push_back(name);
+            if (name.starts_with(extension) && name.ends_with(".png")) textures.push_back(name);
         ASSERT_FALSE(textures.empty());
         const std::string before = folder_.read(textures[0]);
-        EXPECT_EQ(run({"render", "m." + extension, textures[0]}).exit_code, 2);
-        run_well({"render", "m." + extension});
-        run_well({"render", "m." + extension});  // over its own picture
+        EXPECT_EQ(run({"render", model, textures[0]}).exit_code, 2);
+        run_well({"render", model});
+        run_well({"render", model});  // over its own picture
         EXPECT_TRUE(folder_.read(textures[0]) == before);
     }
+}
+
+TEST_F(Conversion, OverwritesItsOwnTexturesButNoStrangers) {
+    folder_.write("photo.png", "somebody's");
+    const ProgramRun done = run({"in.ply", "photo.obj", "--triangles", "300"});
+    EXPECT_EQ(done.exit_code, 2);
+    EXPECT_THAT(done.err, HasSubstr("photo.png is there already"));
+    EXPECT_EQ(folder_.read("photo.png"), "somebody's");
+    run_well({"in.ply", "photo.glb", "--triangles", "300"});  // brings no files along
+    run_well({"in.ply", "own.obj", "--triangles", "300"});
+    run_well({"in.ply", "own.obj", "--triangles", "200"});
+}
+
+TEST_F(Conversion, AWordThatIsNeitherFileNorCommandIsTold) {
+    const ProgramRun done = run({"infoo", "in.ply"});
+    EXPECT_EQ(done.exit_code, 2);
+    EXPECT_THAT(done.err, HasSubstr("nearest command: info"));
 }
 
 }  // namespace
