@@ -49,10 +49,12 @@ std::optional<Scan> take_header(std::string_view& text, char line_end) {
     std::array<double, 2> counts{};
     for (double& count : counts) {
         const std::string_view line = next_line(text, line_end);
-        constexpr double kMostRows = 1e9;
-        if (!is_text_count(line) || !NumberReader(line).next(count) || !(count < kMostRows))
-            return std::nullopt;
+        if (!is_text_count(line) || !NumberReader(line).next(count)) return std::nullopt;
     }
+    // Each alone, too: the other may be zero.
+    constexpr double kMostPoints = 1e18;
+    if (!(std::max({counts[0], counts[1], counts[0] * counts[1]}) < kMostPoints))
+        return std::nullopt;
     scan.num_points = static_cast<std::uint64_t>(counts[0]) * static_cast<std::uint64_t>(counts[1]);
     for (std::size_t k = 0; k < kHeaderRows; ++k) {
         const std::vector<double> numbers = numbers_of(next_line(text, line_end));
