@@ -21,7 +21,7 @@ constexpr CommandText kConvertText = {
     "texture), by the name of OUTPUT.\n"
     "Several inputs become one cloud; the last name is the output, unless -o names it.\n"
     "Each command has its own --help. Exit codes: 0 written, 1 bug, 2 usage, 3 input, 4 output,\n"
-    "5 limit or bound, 6 nothing left after cleaning, 130 cancelled."};
+    "5 limit or bound, 6 no points left, 130 cancelled."};
 
 constexpr std::size_t kMostInputs = 1 << 16;
 
@@ -41,9 +41,9 @@ void check_command_first(const std::filesystem::path& input) {
         if (input == command.name && !std::filesystem::exists(input))
             fail(ErrorCode::kInvalidOption, "the command comes first: pointbake {0} ...",
                  command.name);
-    if (input == "-" || input.has_extension() || input.has_parent_path() ||
-        std::filesystem::exists(input))
-        return;
+    std::error_code error;
+    const bool is_there = std::filesystem::exists(input, error) || error;
+    if (input == "-" || input.has_extension() || input.has_parent_path() || is_there) return;
     std::vector<std::string_view> names;
     for (const Command& command : commands()) names.push_back(command.name);
     fail(ErrorCode::kInvalidOption,
@@ -59,10 +59,11 @@ void check_not_points(const Job& job, bool is_named) {
         return std::filesystem::equivalent(input, job.output, error);
     });
     if (is_likely_input(job.output) && !is_input)
-        fail(ErrorCode::kInvalidOption,
-             "{} exists and looks like another input: to make one cloud of all, name the output "
-             "with -o; to overwrite it, name it so",
-             job.output.string());
+        fail(
+            ErrorCode::kInvalidOption,
+            "{} exists and looks like another input: to make one cloud of all, or to overwrite it, "
+            "name the output with -o",
+            job.output.string());
 }
 
 /// STL holds triangles alone.

@@ -77,6 +77,7 @@ void run_demo(Words words, const std::stop_token& stop) {
     const fs::path picture = beside(job.output, "-picture.png");
     finish_job(job, table);
     make_folder_of(job.output);
+    check_outputs(job);
     check_writable(points, std::span(&job.output, 1));
     check_writable(picture, {});
 

@@ -18,8 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> kModelExtensions = {".glb", ".gltf", ".obj", ".ply",
                                                               ".usdz"};
-constexpr std::array<std::string_view, 6> kMeshExtensions = {".glb", ".gltf", ".obj",
-                                                             ".ply", ".stl",  ".usdz"};
 constexpr std::array<std::string_view, 1> kPointExtensions = {".ply"};
 
 class Stopwatch {
@@ -31,8 +29,14 @@ class Stopwatch {
     Clock::time_point start_ = Clock::now();
 };
 
-std::string_view image_extension(ImageFormat format) {
-    switch (format) {
+bool makes_texture(const Job& job) {
+    return job.stop.stop_after > Stage::kSimplify && job.convert.texture.texels != 0;
+}
+
+/// Of the texture that the job makes; empty = it makes none.
+std::string_view image_extension(const Job& job) {
+    if (!makes_texture(job)) return {};
+    switch (job.convert.images.format) {
         case ImageFormat::kJpeg:
             return ".jpg";
         case ImageFormat::kWebp:
@@ -55,7 +59,7 @@ void check_options(const Job& job) {
     if (job.write.scale && !(*job.write.scale > 0.0))
         fail(ErrorCode::kInvalidOption, "--scale: {} is not positive", *job.write.scale);
     validate(job.convert);
-    if (job.convert.images.format == ImageFormat::kPng &&
+    if (makes_texture(job) && job.convert.images.format == ImageFormat::kPng &&
         job.convert.images.quality != ImageOptions{}.quality)
         fail(ErrorCode::kInvalidOption,
              "--texture-quality is of --texture-format jpeg and webp: PNG loses nothing");
@@ -74,45 +78,6 @@ void make_folder(std::string_view option, const fs::path& folder) {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) fail(ErrorCode::kOutput, "--{} {}: {}", option, folder.string(), error.message());
-}
-
-/// Before the long work: can everything be written where it shall go?
-void check_outputs(const Job& job) {
-    std::vector<fs::path> taken = job.inputs;
-    if (!job.mesh.mesh.empty()) taken.push_back(job.mesh.mesh);
-    const auto num_inputs = static_cast<std::ptrdiff_t>(taken.size());
-    const auto check = [&](const fs::path& path, std::span<const std::string_view> extensions) {
-        if (path.empty() || path == "-") return;
-        check_extension(path, extensions);
-        if (std::ranges::find(taken.begin() + num_inputs, taken.end(), path) != taken.end())
-            fail(ErrorCode::kInvalidOption, "{} is named twice", path.string());
-        check_writable(path, taken);
-        check_companions(path, taken);
-        taken.push_back(path);
-    };
-    static constexpr std::array<std::string_view, 1> json = {".json"};
-    if (writes_points_only(job.stop.stop_after))
-        check(job.output, kPointExtensions);
-    else if (job.stop.stop_after <= Stage::kSimplify)
-        check(job.output, kMeshExtensions);
-    else
-        check(job.output, kModelExtensions);
-    if (job.stop.stop_after > Stage::kSimplify && job.convert.texture.texels != 0)
-        check_no_strangers(job.output, image_extension(job.convert.images.format));
-    check(job.files.write_cloud, kPointExtensions);
-    check(job.files.write_points, kPointExtensions);
-    if (!job.files.debug_maps.empty() &&
-        std::ranges::find(taken, job.files.debug_maps) != taken.end())
-        fail(ErrorCode::kInvalidOption, "{} is named twice", job.files.debug_maps.string());
-    check(job.files.report, json);
-    if (job.limits.dry_run) return;
-    if (!job.files.debug_maps.empty()) {
-        make_folder("debug-maps", job.files.debug_maps);
-        check_writable(job.files.debug_maps / "coverage-0.png", taken);
-    }
-    if (job.files.work_dir.empty()) return;
-    make_folder("work-dir", job.files.work_dir);
-    check_writable(job.files.work_dir / "options.json", taken);
 }
 
 void check_memory(const Job& job, std::uint64_t num_points, bool are_splats) {
@@ -292,6 +257,43 @@ ConvertResult run_steps(const Job& job, Console& console, const std::stop_token&
 }
 
 }  // namespace
+
+void check_outputs(const Job& job) {
+    std::vector<fs::path> taken = job.inputs;
+    if (!job.mesh.mesh.empty()) taken.push_back(job.mesh.mesh);
+    const auto num_inputs = static_cast<std::ptrdiff_t>(taken.size());
+    const auto check = [&](const fs::path& path, std::span<const std::string_view> extensions) {
+        if (path.empty() || path == "-") return;
+        check_extension(path, extensions);
+        if (std::ranges::find(taken.begin() + num_inputs, taken.end(), path) != taken.end())
+            fail(ErrorCode::kInvalidOption, "{} is named twice", path.string());
+        check_writable(path, taken);
+        check_companions(path, taken);
+        taken.push_back(path);
+    };
+    static constexpr std::array<std::string_view, 1> json = {".json"};
+    if (writes_points_only(job.stop.stop_after))
+        check(job.output, kPointExtensions);
+    else if (job.stop.stop_after <= Stage::kSimplify)
+        check(job.output, kMeshExtensions);
+    else
+        check(job.output, kModelExtensions);
+    check_no_strangers(job.output, image_extension(job));
+    check(job.files.write_cloud, kPointExtensions);
+    check(job.files.write_points, kPointExtensions);
+    if (!job.files.debug_maps.empty() &&
+        std::ranges::find(taken, job.files.debug_maps) != taken.end())
+        fail(ErrorCode::kInvalidOption, "{} is named twice", job.files.debug_maps.string());
+    check(job.files.report, json);
+    if (job.limits.dry_run) return;
+    if (!job.files.debug_maps.empty()) {
+        make_folder("debug-maps", job.files.debug_maps);
+        check_writable(job.files.debug_maps / "coverage-0.png", taken);
+    }
+    if (job.files.work_dir.empty()) return;
+    make_folder("work-dir", job.files.work_dir);
+    check_writable(job.files.work_dir / "options.json", taken);
+}
 
 ConvertResult run_job(const Job& job, Console& console, const std::stop_token& stop) {
     std::optional<std::uint64_t> most_bytes;

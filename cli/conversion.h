@@ -28,6 +28,10 @@ struct Job {
     std::string result_options = "{}";  ///< JSON, for the report
 };
 
+/// Before the long work: can everything be written where it shall go? Throws Error{kOutput}, or
+/// Error{kInvalidOption} for names that do not do.
+void check_outputs(const Job& job);
+
 /// Runs it and returns every stage's value (empty after --dry-run). Throws Error; Error{kLimit}
 /// when a bound is missed under --strict.
 ConvertResult run_job(const Job& job, Console& console, const std::stop_token& stop);

@@ -69,10 +69,8 @@ void check_writable(const fs::path& output, std::span<const fs::path> inputs) {
 
 void check_extension(const fs::path& output, std::span<const std::string_view> extensions) {
     if (std::ranges::find(extensions, lower_extension(output)) != extensions.end()) return;
-    std::error_code error;
-    fail(ErrorCode::kInvalidOption, "{}: the name of the output must end in {}{}", output.string(),
-         fmt::join(extensions, ", "),
-         fs::exists(output, error) ? "; of several inputs -o names the output" : "");
+    fail(ErrorCode::kInvalidOption, "{}: the name of the output must end in {}", output.string(),
+         fmt::join(extensions, ", "));
 }
 
 namespace {
@@ -124,18 +122,11 @@ void check_companions(const fs::path& output, std::span<const fs::path> inputs) 
 }
 
 void check_no_strangers(const fs::path& output, std::string_view image_extension) {
-    std::error_code error;
-    if (fs::exists(output, error)) return;
     const std::string extension = lower_extension(output);
-    std::vector<std::string_view> endings;
-    if (extension == ".obj") endings = {".mtl", image_extension};
-    if (extension == ".gltf") endings = {".bin", image_extension};
-    if (extension == ".ply") endings = {image_extension};
-    for (const std::string_view ending : endings)
-        if (const fs::path file = beside(output, ending); fs::exists(file, error))
-            fail(ErrorCode::kInvalidOption,
-                 "{} is there already and {} would overwrite it: choose another name",
-                 file.string(), output.string());
+    if (extension == ".obj") check_is_no_stranger(output, beside(output, ".mtl"));
+    if (extension == ".gltf") check_is_no_stranger(output, beside(output, ".bin"));
+    if ((has_companions(output) || extension == ".ply") && !image_extension.empty())
+        check_is_no_stranger(output, beside(output, image_extension));
 }
 
 fs::path beside(const fs::path& file, std::string_view ending) {
@@ -149,6 +140,10 @@ void write_text(const fs::path& path, std::string_view text) {
 }
 
 bool is_likely_input(const fs::path& path) {
+    std::error_code error;
+    const std::string extension = lower_extension(path);
+    if (std::ranges::find(kMeshExtensions, extension) == kMeshExtensions.end())
+        return fs::is_regular_file(path, error);
     const std::string header = ply_header(path);
     if (header.empty()) return false;
     const bool has_faces = element_count(header, "face").value_or(0) > 0 ||

@@ -1,6 +1,7 @@
 // Looking at files before the long work: may the output be written, would it overwrite an input.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -17,17 +18,22 @@ namespace pointbake::cli {
 void check_writable(const std::filesystem::path& output,
                     std::span<const std::filesystem::path> inputs);
 
+/// What a mesh is written as.
+inline constexpr std::array<std::string_view, 6> kMeshExtensions = {".glb", ".gltf", ".obj",
+                                                                    ".ply", ".stl",  ".usdz"};
+
 /// Throws Error{kInvalidOption} unless the name ends in one of the extensions (".glb", ...).
 void check_extension(const std::filesystem::path& output,
                      std::span<const std::string_view> extensions);
 
 /// Throws Error{kInvalidOption} if a model of several files would overwrite what an input of the
 /// same name consists of: x.obj beside x.gltf, both with their x.png.
-/// Refuses an output whose textures or other files would take the place of ones that are there
-/// though the output itself is not: they are not its own.
-void check_no_strangers(const std::filesystem::path& output, std::string_view image_extension);
 void check_companions(const std::filesystem::path& output,
                       std::span<const std::filesystem::path> inputs);
+
+/// check_is_no_stranger() for the parts that are known before the work: x.mtl, x.bin, x.png
+/// (`image_extension`; empty = no textures).
+void check_no_strangers(const std::filesystem::path& output, std::string_view image_extension);
 
 /// ".png" of "a/B.PNG".
 std::string lower_extension(const std::filesystem::path& path);
@@ -60,7 +66,8 @@ std::filesystem::path beside(const std::filesystem::path& file, std::string_view
 /// Writes a text whole or not at all.
 void write_text(const std::filesystem::path& path, std::string_view text);
 
-/// Whether an existing file is a PLY of points alone, or one that pointbake did not write.
+/// Whether an existing file is of no kind that is written, a PLY of points alone, or a PLY that
+/// pointbake did not write.
 /// Overwriting such a one is likelier a slip than a wish.
 bool is_likely_input(const std::filesystem::path& path);
 

@@ -77,7 +77,8 @@ std::string dense_line(const RunReport& r) {
 
 std::string unused_faces_text(std::uint64_t num_faces) {
     return fmt::format(
-        "the file has {}, only their corners are taken: --surface given would use {}, pointbake "
+        "the file has {}, of which only the corners are taken: --surface given would use {}, "
+        "pointbake "
         "sample makes points of {}",
         counted(num_faces, "face"), num_faces == 1 ? "it" : "them", num_faces == 1 ? "it" : "them");
 }

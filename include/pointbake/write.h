@@ -90,8 +90,9 @@ Frame settled_frame(Frame frame, const WriteOptions& options);
 /// diagonal as floats are written relative to a node translation. The model's frame turns and
 /// scales a glTF's node, and is told in its extras and in comments of OBJ and PLY; a CRS that is
 /// known goes into a .prj beside the model, unless another one is there already (a warning). Throws
-/// Error{kOutput} and leaves nothing behind; Error{kUnsupported} names the extensions that are
-/// known.
+/// Error{kOutput} and leaves nothing behind, also where a part of the output (an image, .mtl, .bin)
+/// would overwrite a file though the output itself is not there yet; Error{kUnsupported} names the
+/// extensions that are known.
 WriteReport write_model(const TexturedMesh& model, const std::filesystem::path& path,
                         const WriteOptions& options = {}, const Context& context = {});
 

@@ -193,4 +193,12 @@ void AtomicFile::undo() noexcept {
     impl_->temporary.clear();
 }
 
+void check_is_no_stranger(const std::filesystem::path& main, const std::filesystem::path& part) {
+    std::error_code error;
+    if (!std::filesystem::exists(main, error) && std::filesystem::exists(part, error))
+        fail(ErrorCode::kOutput,
+             "{} is there already and would be overwritten as a part of {}: choose another name",
+             part.string(), main.string());
+}
+
 }  // namespace pointbake

@@ -38,4 +38,8 @@ class AtomicFile {
     std::uint64_t size_ = 0;
 };
 
+/// Throws Error{kOutput} if `part`, which goes with the output `main`, is there although `main` is
+/// not: then it is somebody else's.
+void check_is_no_stranger(const std::filesystem::path& main, const std::filesystem::path& part);
+
 }  // namespace pointbake

@@ -85,6 +85,7 @@ inline void ArithmeticDecoder::refill() {
     const auto num_bits = static_cast<unsigned>(std::countl_zero(length_)) & ~7U;
     length_ <<= num_bits;
     if (next_ + sizeof(std::uint32_t) <= bytes_.size()) {
+        static_assert(std::endian::native == std::endian::little);
         std::uint32_t next = 0;
         std::memcpy(&next, &bytes_[next_], sizeof next);
         const std::uint64_t both = std::uint64_t{value_} << 32 | __builtin_bswap32(next);

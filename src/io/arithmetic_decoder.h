@@ -22,8 +22,8 @@ class SymbolModel {
     friend class ArithmeticDecoder;
     void update();
 
-    // Numbers up to 2^15, those of a symbol side by side: a file has hundreds of models, and what
-    // is small stays in the cache.
+    // 16 bits hold a count: 2^15 at most and what one cycle adds, 2^14 and a little. A file has
+    // hundreds of models, and what is small and side by side stays in the cache.
     struct Entry {
         std::uint16_t begin = 0;  ///< of 2^15, all symbols below it
         std::uint16_t count = 1;

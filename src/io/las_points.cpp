@@ -117,10 +117,10 @@ void LasPoints::allocate() {
 void LasPoints::store(std::size_t first_row, std::size_t num_rows, const std::byte* records) {
     const std::size_t stride = header_.record_bytes;
     // Each column goes through the records once: few enough to stay in the cache meanwhile.
-    constexpr std::size_t kMostRows = 512;
-    std::vector<std::vector<double>> values(table_.wanted().size(), std::vector<double>(kMostRows));
-    for (std::size_t begin = 0; begin < num_rows; begin += kMostRows) {
-        TableBlock block{first_row + begin, std::min(kMostRows, num_rows - begin), {}};
+    const std::size_t most_rows = std::min<std::size_t>(num_rows, 512);
+    std::vector<std::vector<double>> values(table_.wanted().size(), std::vector<double>(most_rows));
+    for (std::size_t begin = 0; begin < num_rows; begin += most_rows) {
+        TableBlock block{first_row + begin, std::min(most_rows, num_rows - begin), {}};
         for (std::size_t k = 0; k < values.size(); ++k) {
             const std::span<double> column(values[k].data(), block.num_rows);
             load_field(fields_[table_.wanted()[k]], records + begin * stride, stride, column);

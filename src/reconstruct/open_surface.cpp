@@ -118,7 +118,8 @@ class Walker {
                 changed = true;
             }
         }
-        if (num_alive == 0 || ((is_strict || is_flat(v, spokes)) && !is_around(v, spokes))) return;
+        if (num_alive == 0 || num_alive == spokes.size()) return;
+        if ((is_strict || is_flat(v, spokes)) && !is_around(v, spokes)) return;
         for (const Spoke& s : spokes)
             if (!s.alive) hanging.push_back(s.facet);
     }

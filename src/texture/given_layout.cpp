@@ -214,8 +214,7 @@ class GivenPainter {
 void validate(const Mesh& mesh, const GivenLayout& layout) {
     if (mesh.uvs.size() != mesh.triangles.size() || mesh.uvs.empty())
         fail(ErrorCode::kInvalidInput,
-             "--keep-uvs: the mesh has no texture coordinates to bake into; without it it gets "
-             "some");
+             "the mesh has no texture coordinates for --keep-uvs to keep");
     if (layout.triangle_pages.size() != mesh.triangles.size())
         fail(ErrorCode::kInvalidInput, "{} triangles, but pages for {} of them",
              mesh.triangles.size(), layout.triangle_pages.size());

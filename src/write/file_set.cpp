@@ -6,6 +6,7 @@
 namespace pointbake {
 
 AtomicFile& FileSet::add(const std::filesystem::path& path) {
+    if (!paths_.empty()) check_is_no_stranger(paths_[0], path);
     files_.push_back(std::make_unique<AtomicFile>(path));
     paths_.push_back(path);
     return *files_.back();

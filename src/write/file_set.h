@@ -13,7 +13,8 @@ namespace pointbake {
 /// Files of one output. They are committed together; if that fails half-way, all is as it was.
 class FileSet {
  public:
-    /// A new file; the first one added is the main one, which is committed last.
+    /// A new file; the first one added is the main one, which is committed last. Throws
+    /// Error{kOutput} if another one is there though the main one is not: it is somebody else's.
     AtomicFile& add(const std::filesystem::path& path);
     /// Puts all files in place and fills the report's num_bytes and files.
     void commit(WriteReport& report);

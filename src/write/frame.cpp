@@ -28,10 +28,13 @@ void add_prj(FileSet& files, const std::filesystem::path& main, WriteReport& rep
     const std::filesystem::path path = sibling(main, ".prj");
     const std::string text = frame.crs.wkt + "\n";
     std::error_code ignored;
-    if (std::filesystem::exists(path, ignored) && file_text(path) != text) {
-        log(context, LogLevel::kWarning,
-            "{} is there already and says something else than {}: left as it is", path.string(),
-            frame.crs.name);
+    if (std::filesystem::exists(path, ignored)) {
+        if (file_text(path) == text)
+            report.prj = path;
+        else
+            log(context, LogLevel::kWarning,
+                "{} is there already and says something else than {}: left as it is", path.string(),
+                frame.crs.name);
         return;
     }
     files.add(path).write(text);

@@ -73,7 +73,8 @@ TEST_F(Conversion, TellsOfMergedRowsAndOfFacesThatAreNotUsed) {
     EXPECT_THAT(used.err, testing::Not(HasSubstr("--surface given would")));
     EXPECT_THAT(used.err, testing::Not(HasSubstr("noise")));
     const std::vector<std::string> words = {"-i", "dense.ply", "-o", "a.glb"};
-    const std::string hint = "faces, only their corners are taken: --surface given would use them";
+    const std::string hint =
+        "faces, of which only the corners are taken: --surface given would use them";
     EXPECT_THAT(run_well(words).err, HasSubstr(hint));
     EXPECT_THAT(run_well({"info", "dense.ply"}).out, HasSubstr(hint));
 
@@ -418,7 +419,7 @@ TEST_F(Conversion, RenderLooksFromAboveAndKnowsAxes) {
         run_well(words);
         return folder_.read("a.png");
     };
-    EXPECT_EQ(draw({"--direction", "0,1,0"}), draw({"--direction", "y", "--up", "0,0,-1"}));
+    EXPECT_EQ(draw({"--direction", "0,1,0"}), draw({"--direction", "y", "--up", "-z"}));
     EXPECT_EQ(draw({"--up", "z"}), draw({"--up", "0,0,1"}));
     EXPECT_EQ(draw({}), draw({"--up", "y"}));
 }
@@ -439,21 +440,47 @@ TEST_F(Conversion, RenderLeavesTexturesAlone) {
     }
 }
 
-TEST_F(Conversion, OverwritesItsOwnTexturesButNoStrangers) {
-    folder_.write("photo.png", "somebody's");
-    const ProgramRun done = run({"in.ply", "photo.obj", "--triangles", "300"});
-    EXPECT_EQ(done.exit_code, 2);
-    EXPECT_THAT(done.err, HasSubstr("photo.png is there already"));
-    EXPECT_EQ(folder_.read("photo.png"), "somebody's");
-    run_well({"in.ply", "photo.glb", "--triangles", "300"});  // brings no files along
+TEST_F(Conversion, LeavesStrangersBesideTheOutputAlone) {
+    const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+        {"photo.png", {"in.ply", "photo.obj"}},
+        {"photo.png", {"in.ply", "photo.gltf"}},
+        {"photo.png", {"in.ply", "photo.ply"}},
+        {"photo.jpg", {"in.ply", "photo.obj", "--texture-format", "jpeg"}},
+        {"photo_0.png", {"in.ply", "photo.obj", "--page-size", "64", "--texels", "16k"}},
+        {"photo.mtl", {"in.ply", "photo.obj", "--texels", "0"}},
+        {"photo.bin", {"in.ply", "photo.gltf", "--stop-after", "simplify"}},
+        {"photo.png", {"demo", "photo.obj", "--points", "3000"}},
+    };
+    for (const auto& [stranger, words] : cases) {
+        folder_.write(stranger, "somebody's");
+        const std::vector<std::string> before = folder_.files();
+        const ProgramRun done = run(words);
+        EXPECT_EQ(done.exit_code, 4) << testing::PrintToString(words) << done.err;
+        EXPECT_THAT(done.err, HasSubstr(stranger + " is there already"));
+        EXPECT_EQ(folder_.read(stranger), "somebody's");
+        EXPECT_EQ(folder_.files(), before);
+        std::filesystem::remove(folder_ / stranger);
+    }
+}
+
+TEST_F(Conversion, OverwritesItsOwnTextures) {
     run_well({"in.ply", "own.obj", "--triangles", "300"});
+    const std::string before = folder_.read("own.png");
     run_well({"in.ply", "own.obj", "--triangles", "200"});
+    EXPECT_FALSE(folder_.read("own.png") == before);
+}
+
+TEST_F(Conversion, TellsThatNoAxisIsKnownToPointUp) {
+    const std::string line = "axes: up not told";
+    EXPECT_THAT(run_well({"in.ply", "a.glb"}).err, HasSubstr(line));
+    EXPECT_THAT(run_well({"in.ply", "b.glb", "--up", "z"}).err, testing::Not(HasSubstr(line)));
 }
 
 TEST_F(Conversion, AWordThatIsNeitherFileNorCommandIsTold) {
     const ProgramRun done = run({"infoo", "in.ply"});
     EXPECT_EQ(done.exit_code, 2);
     EXPECT_THAT(done.err, HasSubstr("nearest command: info"));
+    EXPECT_EQ(run({std::string(300, 'a')}).exit_code, 3);
 }
 
 }  // namespace

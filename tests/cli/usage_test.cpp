@@ -36,6 +36,7 @@ TEST(Usage, WrongWordsAreExitTwoWithAHint) {
         {{}, "missing INPUT"},
         {{"in.ply", "--trangles", "5"}, "--triangles"},
         {{"in.ply", "--triangles", "many"}, "'many'"},
+        {{"in.ply", "--texture-quality", "80"}, "PNG loses nothing"},
         {{"in.ply", "--triangles"}, "--triangles needs a value"},
         {{"in.ply", "--texture-error", "-3"}, "texture-error is -3"},
         {{"in.ply", "o.glb", "--mesh", "in.ply", "--keep-mesh", "--triangles", "5"}, "--triangles"},

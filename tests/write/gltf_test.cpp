@@ -396,7 +396,7 @@ TEST(Gltf, OneFileInTheWayKeepsTheOthersBack) {
 TEST(Gltf, StopsWhenCancelledAndLeavesNothing) {
     const Folder folder;
     const TexturedMesh model = patch_grid(20, 1);
-    for (const char* name : {"a.glb", "a.gltf", "a.obj", "a.ply"}) {
+    for (const char* name : {"a.glb", "b.gltf", "c.obj", "d.ply"}) {
         std::stop_source stop;
         const Context context{.stop = stop.get_token(),
                               .progress = [&](std::string_view stage, double) {
@@ -412,7 +412,7 @@ TEST(Gltf, StopsWhenCancelledAndLeavesNothing) {
 
 TEST(Gltf, ProgressRisesToOne) {
     const Folder folder;
-    for (const char* name : {"a.glb", "a.gltf", "a.obj", "a.ply"}) {
+    for (const char* name : {"a.glb", "b.gltf", "c.obj", "d.ply"}) {
         std::vector<double> fractions;
         const Context context{
             .progress = [&](std::string_view, double f) { fractions.push_back(f); }};

@@ -46,7 +46,7 @@ TEST(RoundTrip, MeshesComeBackFromEveryFormat) {
     const TexturedMesh model = patch_grid(9, 2, {500000.25, 5000000.5, 10}, 1.0);
     const auto expected = sorted_triangles(model);
     for (const auto& [name, tolerance] :
-         {std::pair{"a.glb", 1e-6 * 12}, {"a.gltf", 1e-6 * 12}, {"a.obj", 0.0}, {"a.ply", 0.0}}) {
+         {std::pair{"a.glb", 1e-6 * 12}, {"b.gltf", 1e-6 * 12}, {"c.obj", 0.0}, {"d.ply", 0.0}}) {
         write_model(model, folder / name);
         const auto back = sorted_triangles(load_mesh(folder / name));
         ASSERT_EQ(back.size(), expected.size()) << name;
